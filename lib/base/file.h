@@ -1,0 +1,51 @@
+// Reading whole files, and the one way in which anything is written: to a temporary name, then renamed.
+#ifndef PHYSMAS_BASE_FILE_H
+#define PHYSMAS_BASE_FILE_H
+
+#include <cstddef>
+#include <string>
+
+namespace physmas {
+
+// The file's bytes. Refuses directories, unreadable files and files above `limit` bytes (exit code 3).
+std::string read_file(const std::string& path, size_t limit = size_t{1} << 30);
+
+// An output file that appears whole or not at all. Write to `temporary_path()` by any means, then `commit()`:
+// the bytes are flushed to disk and renamed onto `path`; when `path` already holds the same bytes it is left
+// untouched with its timestamp, so nothing downstream reruns. Without commit the temporary file is removed.
+// All failures (missing folder, no permission, disk full) are Errors with exit code 3 that name `path`.
+class AtomicFile {
+ public:
+  // Creates missing parent folders, and fails at once when the folder cannot be written.
+  // suffix: kept at the end of the temporary name, for libraries that choose a format by it (".mp4").
+  explicit AtomicFile(const std::string& path, const std::string& suffix = "");
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  const std::string& temporary_path() const { return temporary_; }
+  // Returns whether the file changed.
+  bool commit();
+
+ private:
+  std::string path_;
+  std::string temporary_;
+  bool committed_ = false;
+};
+
+// Writes `bytes` through an AtomicFile. Returns whether the file changed.
+bool write_file(const std::string& path, const std::string& bytes);
+
+// `path` relative to `folder` when that stays readable (at most two steps up), else the bare file name:
+// how provenance names an input, so that a run's bytes do not depend on where the run lies.
+std::string portable_path(const std::string& path, const std::string& folder);
+
+// `relative` inside `folder`; refuses absolute paths and paths that leave the folder (exit code 3, with file and field).
+std::string resolve_inside(const std::string& folder, const std::string& relative, const std::string& file,
+                           const std::string& field);
+
+// The folder part of `path`, "." when there is none.
+std::string folder_of(const std::string& path);
+
+}  // namespace physmas
+
+#endif

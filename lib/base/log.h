@@ -1,0 +1,45 @@
+// Messages to the person at the terminal: all of them go to stderr, one line each, as "TOOL: LEVEL: text".
+#ifndef PHYSMAS_BASE_LOG_H
+#define PHYSMAS_BASE_LOG_H
+
+#include <string>
+
+namespace physmas {
+
+enum class LogLevel { error = 0, warning = 1, info = 2, debug = 3 };
+
+// Set once by the command line (`--quiet`, `--log-level`); errors are always shown.
+void set_log_level(LogLevel level);
+LogLevel log_level();
+
+// The tool's name is the prefix of every line.
+void set_tool_name(const std::string& name);
+const std::string& tool_name();
+
+void log_error(const std::string& text);
+void log_warning(const std::string& text);
+void log_info(const std::string& text);
+void log_debug(const std::string& text);
+
+// A progress line with the time left, redrawn in place. Silent unless stderr is a terminal and the level is at least info.
+class Progress {
+ public:
+  // label: what is being counted ("frame"); total: how many there will be, > 0.
+  Progress(std::string label, long total);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  // done: how many are finished, 0..total. Draws at most ten times a second.
+  void update(long done);
+
+ private:
+  std::string label_;
+  long total_;
+  double start_;
+  double last_draw_ = -1;
+  bool active_;
+};
+
+}  // namespace physmas
+
+#endif
