@@ -39,7 +39,8 @@ bool write_file(const std::string& path, const std::string& bytes);
 // how provenance names an input, so that a run's bytes do not depend on where the run lies.
 std::string portable_path(const std::string& path, const std::string& folder);
 
-// `relative` inside `folder`; refuses absolute paths and paths that leave the folder (exit code 3, with file and field).
+// `relative` inside `folder`; refuses absolute paths and paths that leave the folder (exit code 3, with file and
+// field).
 std::string resolve_inside(const std::string& folder, const std::string& relative, const std::string& file,
                            const std::string& field);
 

@@ -26,12 +26,22 @@ double seconds_now() {
 
 }  // namespace
 
-void set_log_level(LogLevel level) { g_level = level; }
-LogLevel log_level() { return g_level; }
-void set_tool_name(const std::string& name) { g_tool = name; }
-const std::string& tool_name() { return g_tool; }
+void set_log_level(LogLevel level) {
+  g_level = level;
+}
+LogLevel log_level() {
+  return g_level;
+}
+void set_tool_name(const std::string& name) {
+  g_tool = name;
+}
+const std::string& tool_name() {
+  return g_tool;
+}
 
-void log_error(const std::string& text) { print_line("error: ", text); }
+void log_error(const std::string& text) {
+  print_line("error: ", text);
+}
 void log_warning(const std::string& text) {
   if (g_level >= LogLevel::warning) print_line("warning: ", text);
 }

@@ -21,7 +21,8 @@ void log_warning(const std::string& text);
 void log_info(const std::string& text);
 void log_debug(const std::string& text);
 
-// A progress line with the time left, redrawn in place. Silent unless stderr is a terminal and the level is at least info.
+// A progress line with the time left, redrawn in place. Silent unless stderr is a terminal and the level is at least
+// info.
 class Progress {
  public:
   // label: what is being counted ("frame"); total: how many there will be, > 0.

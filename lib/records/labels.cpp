@@ -6,7 +6,9 @@
 
 namespace physmas {
 
-double LabelPrior::E_default() const { return std::sqrt(E_lo * E_hi); }
+double LabelPrior::E_default() const {
+  return std::sqrt(E_lo * E_hi);
+}
 
 std::optional<int> find_label(const std::string& name) {
   for (int i = 0; i < kLabelCount; ++i) {

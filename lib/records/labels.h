@@ -47,7 +47,9 @@ inline constexpr std::array<LabelPrior, kLabelCount> kLabels = {{
 std::optional<int> find_label(const std::string& name);
 // As find_label, for the six branches.
 std::optional<Branch> find_branch(const std::string& name);
-inline const char* branch_name(Branch branch) { return kBranchNames[static_cast<int>(branch)]; }
+inline const char* branch_name(Branch branch) {
+  return kBranchNames[static_cast<int>(branch)];
+}
 
 }  // namespace physmas
 

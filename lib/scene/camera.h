@@ -10,10 +10,10 @@ namespace physmas {
 // Pinhole camera with OpenCV axes (x right, y down, z forward). Image coordinates have their origin at the corner of
 // the first pixel, so the centre of pixel i is at i + 0.5, and cx, cy are in that same axis.
 struct Camera {
-  int width = 0;   // pixels
-  int height = 0;  // pixels
-  double fx = 0, fy = 0, cx = 0, cy = 0;                             // pixels
-  Eigen::Matrix4d world_to_camera = Eigen::Matrix4d::Identity();     // rigid, scene units
+  int width = 0;                                                  // pixels
+  int height = 0;                                                 // pixels
+  double fx = 0, fy = 0, cx = 0, cy = 0;                          // pixels
+  Eigen::Matrix4d world_to_camera = Eigen::Matrix4d::Identity();  // rigid, scene units
 
   Eigen::Matrix3d rotation() const { return world_to_camera.topLeftCorner<3, 3>(); }
   Eigen::Vector3d translation() const { return world_to_camera.topRightCorner<3, 1>(); }

@@ -11,16 +11,18 @@
 namespace physmas {
 
 // Spherical-harmonic coefficients per colour channel for a degree 0..3.
-constexpr int sh_coefficient_count(int degree) { return (degree + 1) * (degree + 1); }
+constexpr int sh_coefficient_count(int degree) {
+  return (degree + 1) * (degree + 1);
+}
 
 // N Gaussians in file order, scene space (Kerbl et al. 2023). The raw values are kept bit for bit, so that a file
 // that is read and written again is unchanged; the activated values below are what rendering and simulation use.
 struct Gaussians {
-  int sh_degree = 0;                              // 0..3
-  std::vector<Eigen::Vector3f> position;          // [N] mean, scene units
-  std::vector<Eigen::Vector3f> log_scale;         // [N] natural logarithm of the standard deviation per axis
-  std::vector<std::array<float, 4>> rotation;     // [N] quaternion w, x, y, z as stored, not normalised, norm > 0
-  std::vector<float> opacity_logit;               // [N] opacity = 1 / (1 + exp(-logit))
+  int sh_degree = 0;                           // 0..3
+  std::vector<Eigen::Vector3f> position;       // [N] mean, scene units
+  std::vector<Eigen::Vector3f> log_scale;      // [N] natural logarithm of the standard deviation per axis
+  std::vector<std::array<float, 4>> rotation;  // [N] quaternion w, x, y, z as stored, not normalised, norm > 0
+  std::vector<float> opacity_logit;            // [N] opacity = 1 / (1 + exp(-logit))
   // [N * sh_coefficient_count(sh_degree)] colour triples; Gaussian i owns the block that starts at i * count.
   // Coefficient 0 is the constant term: colour = 0.5 + 0.28209479 * sh at degree 0.
   std::vector<Eigen::Vector3f> sh;

@@ -1,0 +1,167 @@
+#include "records/candidate.h"
+
+#include <array>
+#include <set>
+
+namespace physmas {
+namespace {
+
+using Kind = ScheduleOperation::Kind;
+constexpr std::array<const char*, 5> kOperationNames = {"translation", "top_press", "impulse", "structure_projection",
+                                                        "interface_retention"};
+
+Json operation_json(const ScheduleOperation& op) {
+  Json json;
+  json["operation"] = kOperationNames[static_cast<int>(op.kind)];
+  json["rows"] = op.rows;
+  if (op.is_action()) {
+    json["velocity"] = to_json(op.velocity);
+    json["start"] = op.start;
+    json["end"] = op.end;
+    json["start_step"] = op.start_step;
+    json["end_step"] = op.end_step;
+  }
+  if (op.kind == Kind::top_press) json["slab_fraction"] = op.slab_fraction;
+  if (op.kind == Kind::structure_projection) json["eta"] = op.eta;
+  if (op.kind == Kind::interface_retention) json["neighbours"] = op.neighbours;
+  return json;
+}
+
+ScheduleOperation operation_from(const Json& json, const std::string& file, const std::string& pointer) {
+  ScheduleOperation op;
+  const std::string name = json.at("operation").get<std::string>();
+  for (size_t i = 0; i < kOperationNames.size(); ++i) {
+    if (name == kOperationNames[i]) op.kind = static_cast<Kind>(i);
+  }
+  op.rows = json.at("rows").get<std::vector<int>>();
+  const auto need = [&](const char* field) -> const Json& {
+    if (!json.contains(field))
+      throw invalid_field(file, pointer, json, std::string("the field ") + field + " of " + name);
+    return json.at(field);
+  };
+  if (op.is_action()) {
+    op.velocity = vector3_from(need("velocity"));
+    op.start = need("start").get<double>();
+    op.end = need("end").get<double>();
+    op.start_step = need("start_step").get<int>();
+    op.end_step = need("end_step").get<int>();
+    if (op.end < op.start) throw invalid_field(file, pointer + "/end", op.end, "a time at or after /start");
+  }
+  if (op.kind == Kind::top_press) op.slab_fraction = need("slab_fraction").get<double>();
+  if (op.kind == Kind::structure_projection) op.eta = need("eta").get<double>();
+  if (op.kind == Kind::interface_retention) op.neighbours = need("neighbours").get<std::vector<int>>();
+  return op;
+}
+
+}  // namespace
+
+Candidate load_candidate(const std::string& path) {
+  const Json document = load_record(path, "candidate");
+  Candidate candidate;
+  candidate.id = document.at("id").get<std::string>();
+  candidate.transform = document.at("transform").get<std::string>();
+  if (!document.at("parent").is_null()) candidate.parent = document.at("parent").get<std::string>();
+  candidate.order = document.at("order").get<int>();
+  candidate.round = document.at("round").get<int>();
+  candidate.base_confidence = document.at("base_confidence").get<double>();
+  std::set<int> indices;
+  for (const Json& json : document.at("rows")) {
+    const std::string pointer = "/rows/" + std::to_string(candidate.rows.size());
+    CandidateRow row;
+    row.key = json.at("key").get<std::string>();
+    row.row = json.at("row").get<int>();
+    row.branch = find_branch(json.at("branch").get<std::string>()).value();
+    row.E = json.at("E").get<double>();
+    row.nu = json.at("nu").get<double>();
+    row.rho = json.at("rho").get<double>();
+    row.label = find_label(json.at("label").get<std::string>()).value();
+    row.residual = json.at("residual").get<bool>();
+    if (!indices.insert(row.row).second) throw invalid_field(path, pointer + "/row", row.row, "each row once");
+    candidate.rows.push_back(row);
+  }
+  const auto known = [&](const std::string& key) {
+    for (const CandidateRow& row : candidate.rows) {
+      if (row.key == key) return true;
+    }
+    return false;
+  };
+  for (const auto& [key, eta] : document.at("controls").at("projection").items()) {
+    if (!known(key))
+      throw invalid_field(path, "/controls/projection/" + key, eta, "the key of a row of this candidate");
+    candidate.projection.emplace_back(key, eta.get<double>());
+  }
+  for (const Json& key : document.at("controls").at("retention")) {
+    if (!known(key.get<std::string>()))
+      throw invalid_field(path, "/controls/retention", key, "the key of a row of this candidate");
+    candidate.retention.push_back(key.get<std::string>());
+  }
+  const Json& schedule = document.at("schedule");
+  for (size_t i = 0; i < schedule.size(); ++i) {
+    const std::string pointer = "/schedule/" + std::to_string(i);
+    ScheduleOperation op = operation_from(schedule[i], path, pointer);
+    for (const std::vector<int>* list : {&op.rows, &op.neighbours}) {
+      for (int r : *list) {
+        if (indices.count(r) == 0) throw invalid_field(path, pointer + "/rows", r, "row indices of this candidate");
+      }
+    }
+    candidate.schedule.push_back(std::move(op));
+  }
+  const Json& t = document.at("timestep");
+  candidate.timestep = {t.at("c_max").get<double>(), t.at("c_ref").get<double>(), t.at("target").get<double>(),
+                        t.at("substeps").get<int>(), t.at("dt").get<double>(),    t.at("capped_by").get<std::string>()};
+  candidate.omitted = omissions_from(document);
+  return candidate;
+}
+
+void save_candidate(const std::string& path, const Candidate& candidate, const Provenance& provenance) {
+  Json json;
+  json["id"] = candidate.id;
+  json["transform"] = candidate.transform;
+  json["parent"] = candidate.parent.empty() ? Json() : Json(candidate.parent);
+  json["order"] = candidate.order;
+  json["round"] = candidate.round;
+  json["base_confidence"] = candidate.base_confidence;
+  json["rows"] = Json::array();
+  for (const CandidateRow& row : candidate.rows) {
+    json["rows"].push_back({{"key", row.key},
+                            {"row", row.row},
+                            {"branch", branch_name(row.branch)},
+                            {"E", row.E},
+                            {"nu", row.nu},
+                            {"rho", row.rho},
+                            {"label", kLabels[row.label].name},
+                            {"residual", row.residual}});
+  }
+  json["controls"]["projection"] = Json::object();
+  for (const auto& [key, eta] : candidate.projection) json["controls"]["projection"][key] = eta;
+  json["controls"]["retention"] = candidate.retention;
+  json["schedule"] = Json::array();
+  for (const ScheduleOperation& op : candidate.schedule) json["schedule"].push_back(operation_json(op));
+  const TimestepResult& t = candidate.timestep;
+  json["timestep"] = {{"rule", "paper"},        {"c_max", t.c_max}, {"c_ref", t.c_ref},        {"target", t.target},
+                      {"substeps", t.substeps}, {"dt", t.dt},       {"capped_by", t.capped_by}};
+  json["omitted"] = to_json(candidate.omitted);
+  save_record(path, "candidate", provenance, json);
+}
+
+CandidateRound load_round(const std::string& path) {
+  const Json document = load_record(path, "round");
+  CandidateRound round;
+  round.round = document.at("round").get<int>();
+  round.ids = document.at("candidates").get<std::vector<std::string>>();
+  if (std::set<std::string>(round.ids.begin(), round.ids.end()).size() != round.ids.size()) {
+    throw invalid_field(path, "/candidates", document.at("candidates"), "each id once");
+  }
+  round.omitted = omissions_from(document);
+  return round;
+}
+
+void save_round(const std::string& path, const CandidateRound& round, const Provenance& provenance) {
+  Json json;
+  json["round"] = round.round;
+  json["candidates"] = round.ids;
+  json["omitted"] = to_json(round.omitted);
+  save_record(path, "round", provenance, json);
+}
+
+}  // namespace physmas

@@ -1,0 +1,76 @@
+// candidates/ID.json and candidates/roundN.json: executable configurations and their fixed order.
+#ifndef PHYSMAS_RECORDS_CANDIDATE_H
+#define PHYSMAS_RECORDS_CANDIDATE_H
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "records/json.h"
+#include "records/labels.h"
+
+namespace physmas {
+
+// One row Theta_r: branch, E [Pa], nu, rho [kg/m^3], all in solver space.
+struct CandidateRow {
+  std::string key;
+  int row = 0;  // index in inventory.rows
+  Branch branch = Branch::jelly;
+  double E = 0, nu = 0, rho = 0;
+  int label = 0;  // index into kLabels
+  bool residual = false;
+};
+
+// One compiled operation of the schedule Gamma.
+struct ScheduleOperation {
+  enum class Kind : int { translation = 0, top_press, impulse, structure_projection, interface_retention };
+  Kind kind = Kind::translation;
+  std::vector<int> rows;                               // inventory row indices
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // enforced, or the change an impulse gives; solver space, m/s
+  double start = 0, end = 0;                           // seconds, [start, end)
+  int start_step = 0, end_step = 0;                    // substeps, [start, end)
+  double slab_fraction = 0;                            // top_press
+  double eta = 0;                                      // structure_projection
+  std::vector<int> neighbours;                         // interface_retention: rows that may be bonded
+  bool is_action() const { return kind < Kind::structure_projection; }
+};
+
+// Result of the heterogeneous step-size rule (paper, Eq. supp-adaptivedt).
+struct TimestepResult {
+  double c_max = 0, c_ref = 0;  // m/s
+  double target = 0;            // s
+  int substeps = 1;             // per output frame
+  double dt = 0;                // s
+  std::string capped_by = "none";
+};
+
+struct Candidate {
+  std::string id;
+  std::string transform;
+  std::string parent;  // empty: an initial candidate
+  int order = 0;
+  int round = 0;
+  double base_confidence = 0;
+  std::vector<CandidateRow> rows;
+  std::vector<std::pair<std::string, double>> projection;  // support row key -> eta, row order
+  std::vector<std::string> retention;                      // support row keys
+  std::vector<ScheduleOperation> schedule;
+  TimestepResult timestep;
+  std::vector<Omission> omitted;
+};
+
+Candidate load_candidate(const std::string& path);
+void save_candidate(const std::string& path, const Candidate& candidate, const Provenance& provenance);
+
+// The ordered ids of one round.
+struct CandidateRound {
+  int round = 0;
+  std::vector<std::string> ids;
+  std::vector<Omission> omitted;
+};
+CandidateRound load_round(const std::string& path);
+void save_round(const std::string& path, const CandidateRound& round, const Provenance& provenance);
+
+}  // namespace physmas
+
+#endif

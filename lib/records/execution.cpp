@@ -1,0 +1,63 @@
+#include "records/execution.h"
+
+namespace physmas {
+
+ExecutionRecord load_execution(const std::string& path) {
+  const Json document = load_record(path, "execution");
+  ExecutionRecord record;
+  record.candidate = document.at("candidate").get<std::string>();
+  record.exit = document.at("process").at("exit").get<int>();
+  record.signal = document.at("process").at("signal").get<int>();
+  const Json& numerical = document.at("numerical");
+  record.diverged = numerical.at("status") == "diverged";
+  record.error_tokens = numerical.at("error_tokens").get<std::vector<std::string>>();
+  record.reason = numerical.value("reason", "");
+  if (!numerical.at("first_bad_step").is_null()) record.first_bad_step = numerical.at("first_bad_step").get<long>();
+  record.max_speed = numerical.at("max_speed").get<double>();
+  record.J_min = numerical.at("J_range")[0].get<double>();
+  record.J_max = numerical.at("J_range")[1].get<double>();
+  record.mass = numerical.at("mass").get<double>();
+  record.momentum_start = vector3_from(numerical.at("momentum").at("start"));
+  record.momentum_end = vector3_from(numerical.at("momentum").at("end"));
+  record.kinetic = numerical.at("energy").at("kinetic").get<std::vector<double>>();
+  record.elastic = numerical.at("energy").at("elastic").get<std::vector<double>>();
+  record.potential = numerical.at("energy").at("potential").get<std::vector<double>>();
+  record.particles_outside = numerical.at("particles_outside").get<long>();
+  record.substeps_per_frame = document.at("steps").at("per_frame").get<int>();
+  record.steps = document.at("steps").at("total").get<long>();
+  record.dt = document.at("steps").at("dt").get<double>();
+  record.frames = document.at("frames").get<int>();
+  record.particles = document.value("particles", 0L);
+  record.grid = document.value("grid", Json::object());
+  record.precision = document.value("precision", "float");
+  record.omitted = omissions_from(document);
+  record.runtime = document.at("runtime");
+  return record;
+}
+
+void save_execution(const std::string& path, const ExecutionRecord& record, const Provenance& provenance) {
+  Json json;
+  json["candidate"] = record.candidate;
+  json["process"] = {{"exit", record.exit}, {"signal", record.signal}};
+  Json& numerical = json["numerical"];
+  numerical["status"] = record.diverged ? "diverged" : "stable";
+  numerical["error_tokens"] = record.error_tokens;
+  numerical["reason"] = record.reason;
+  numerical["first_bad_step"] = record.first_bad_step < 0 ? Json() : Json(record.first_bad_step);
+  numerical["max_speed"] = record.max_speed;
+  numerical["J_range"] = {record.J_min, record.J_max};
+  numerical["mass"] = record.mass;
+  numerical["momentum"] = {{"start", to_json(record.momentum_start)}, {"end", to_json(record.momentum_end)}};
+  numerical["energy"] = {{"kinetic", record.kinetic}, {"elastic", record.elastic}, {"potential", record.potential}};
+  numerical["particles_outside"] = record.particles_outside;
+  json["steps"] = {{"per_frame", record.substeps_per_frame}, {"total", record.steps}, {"dt", record.dt}};
+  json["frames"] = record.frames;
+  json["particles"] = record.particles;
+  json["grid"] = record.grid;
+  json["precision"] = record.precision;
+  json["omitted"] = to_json(record.omitted);
+  json["runtime"] = record.runtime;
+  save_record(path, "execution", provenance, json);
+}
+
+}  // namespace physmas

@@ -1,0 +1,41 @@
+// rollouts/ID.json: the execution record D^(c) of a simulated candidate.
+#ifndef PHYSMAS_RECORDS_EXECUTION_H
+#define PHYSMAS_RECORDS_EXECUTION_H
+
+#include <string>
+#include <vector>
+
+#include "records/json.h"
+
+namespace physmas {
+
+struct ExecutionRecord {
+  std::string candidate;
+  int exit = 0, signal = 0;  // how the process ended
+  bool diverged = false;
+  std::vector<std::string> error_tokens;  // numerical and run-time errors, empty when there were none
+  std::string reason;                     // one sentence on the divergence
+  long first_bad_step = -1;               // -1: none
+  double max_speed = 0;                   // m/s, solver space
+  double J_min = 1, J_max = 1;
+  double mass = 0;                                                                                   // kg
+  Eigen::Vector3d momentum_start = Eigen::Vector3d::Zero(), momentum_end = Eigen::Vector3d::Zero();  // kg m/s
+  std::vector<double> kinetic, elastic, potential;  // J of solver space, per output frame
+  long particles_outside = 0;
+  int substeps_per_frame = 1;
+  long steps = 0;
+  double dt = 0;  // s
+  int frames = 0;
+  long particles = 0;
+  Json grid = Json::object();
+  std::string precision = "float";
+  std::vector<Omission> omitted;
+  Json runtime = Json::object();  // seconds by phase, particle-steps per second, peak memory
+};
+
+ExecutionRecord load_execution(const std::string& path);
+void save_execution(const std::string& path, const ExecutionRecord& record, const Provenance& provenance);
+
+}  // namespace physmas
+
+#endif

@@ -1,0 +1,376 @@
+#include "records/hdf5_file.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <type_traits>
+
+#include "base/error.h"
+#include "records/json.h"
+
+namespace physmas {
+namespace {
+
+constexpr uint64_t kAny = UINT64_MAX;
+
+// Closes an HDF5 identifier of any kind when it goes out of scope.
+class Handle {
+ public:
+  explicit Handle(hid_t id) : id_(id) {}
+  ~Handle() {
+    if (id_ >= 0) H5Idec_ref(id_);
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+  bool ok() const { return id_ >= 0; }
+
+ private:
+  hid_t id_;
+};
+
+// The library prints to stderr by itself; our messages replace that.
+void silence_hdf5() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+template <class T>
+hid_t native_type() {
+  if constexpr (std::is_same_v<T, float>) return H5T_NATIVE_FLOAT;
+  if constexpr (std::is_same_v<T, double>) return H5T_NATIVE_DOUBLE;
+  if constexpr (std::is_same_v<T, int32_t>) return H5T_NATIVE_INT32;
+  if constexpr (std::is_same_v<T, uint8_t>) return H5T_NATIVE_UINT8;
+}
+
+template <class T>
+hid_t file_type() {
+  if constexpr (std::is_same_v<T, float>) return H5T_IEEE_F32LE;
+  if constexpr (std::is_same_v<T, double>) return H5T_IEEE_F64LE;
+  if constexpr (std::is_same_v<T, int32_t>) return H5T_STD_I32LE;
+  if constexpr (std::is_same_v<T, uint8_t>) return H5T_STD_U8LE;
+}
+
+template <class T>
+const char* type_name() {
+  if constexpr (std::is_same_v<T, float>) return "float32";
+  if constexpr (std::is_same_v<T, int32_t>) return "int32";
+  return "uint8";
+}
+
+std::vector<uint64_t> shape_of(hid_t dataset) {
+  const Handle space(H5Dget_space(dataset));
+  const int rank = H5Sget_simple_extent_ndims(space);
+  std::vector<hsize_t> dims(std::max(rank, 0));
+  if (rank > 0) H5Sget_simple_extent_dims(space, dims.data(), nullptr);
+  return {dims.begin(), dims.end()};
+}
+
+std::string shape_text(const std::vector<uint64_t>& shape) {
+  std::vector<std::string> parts;
+  for (uint64_t n : shape) parts.push_back(n == kAny ? "*" : std::to_string(n));
+  return fmt::format("[{}]", fmt::join(parts, ", "));
+}
+
+template <class T>
+bool matches_type(hid_t dataset) {
+  const Handle type(H5Dget_type(dataset));
+  return H5Tequal(type, file_type<T>()) > 0 || H5Tequal(type, native_type<T>()) > 0;
+}
+
+}  // namespace
+
+Hdf5Reader::Hdf5Reader(const std::string& path, const std::string& record) : path_(path) {
+  silence_hdf5();
+  if (FILE* probe = std::fopen(path.c_str(), "rb")) {
+    std::fclose(probe);
+  } else {
+    throw system_error(path, "cannot be read", errno);
+  }
+  // Locking fails on read-only and some network file systems, and nothing here writes in place.
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS));
+  H5Pset_file_locking(access, false, true);
+  file_ = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access);
+  if (file_ < 0)
+    throw invalid_input({path, "", "a file that HDF5 cannot open (cut short, or another format)",
+                         "an HDF5 file of record physmas/" + record + "/1"});
+  try {
+    const std::string schema = read_text_attribute("/", "schema");
+    const std::string expected = "physmas/" + record + "/1";
+    if (schema != expected) throw invalid("/@schema", "\"" + schema + "\"", "\"" + expected + "\"");
+  } catch (...) {
+    H5Fclose(file_);
+    throw;
+  }
+}
+
+Hdf5Reader::~Hdf5Reader() {
+  H5Fclose(file_);
+}
+
+Error Hdf5Reader::invalid(const std::string& where, const std::string& found, const std::string& expected) const {
+  return invalid_input({path_, where, found, expected});
+}
+
+bool Hdf5Reader::exists(const std::string& name) const {
+  // H5Lexists wants every group on the way to exist.
+  for (size_t slash = name.find('/', 1); slash != std::string::npos; slash = name.find('/', slash + 1)) {
+    if (H5Lexists(file_, name.substr(0, slash).c_str(), H5P_DEFAULT) <= 0) return false;
+  }
+  return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+std::vector<std::string> Hdf5Reader::names_in(const std::string& group) const {
+  std::vector<std::string> names;
+  const Handle g(H5Gopen2(file_, group.c_str(), H5P_DEFAULT));
+  if (!g.ok()) throw invalid(group, "nothing", "a group");
+  H5G_info_t info;
+  if (H5Gget_info(g, &info) < 0) throw invalid(group, "an unreadable group", "a group");
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    const ssize_t size = H5Lget_name_by_idx(g, ".", H5_INDEX_NAME, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT);
+    if (size < 0) throw invalid(group, "an unreadable link", "a group");
+    std::string name(static_cast<size_t>(size) + 1, '\0');
+    H5Lget_name_by_idx(g, ".", H5_INDEX_NAME, H5_ITER_INC, i, &name[0], name.size(), H5P_DEFAULT);
+    name.resize(static_cast<size_t>(size));
+    names.push_back(name);
+  }
+  return names;
+}
+
+std::vector<uint64_t> Hdf5Reader::shape(const std::string& dataset) const {
+  const Handle d(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
+  if (!d.ok()) throw invalid(dataset, "nothing", "a dataset");
+  return shape_of(d);
+}
+
+template <class T>
+std::vector<T> Hdf5Reader::read(const std::string& name, const std::vector<uint64_t>& expected, uint64_t limit) const {
+  const std::string wanted = fmt::format("{} of shape {}", type_name<T>(), shape_text(expected));
+  const Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT));
+  if (!dataset.ok()) throw invalid(name, "nothing", wanted);
+  if (!matches_type<T>(dataset)) throw invalid(name, "another element type", wanted);
+  const std::vector<uint64_t> shape = shape_of(dataset);
+  bool fits = shape.size() == expected.size();
+  uint64_t count = 1;
+  for (size_t i = 0; fits && i < shape.size(); ++i) {
+    fits = expected[i] == kAny || expected[i] == shape[i];
+    if (shape[i] != 0 && count > limit / shape[i])
+      throw invalid(name, "shape " + shape_text(shape), fmt::format("at most {} elements", limit));
+    count *= shape[i];
+  }
+  if (!fits) throw invalid(name, "shape " + shape_text(shape), "shape " + shape_text(expected));
+  std::vector<T> values(count);
+  if (count > 0 && H5Dread(dataset, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+    throw invalid(name, "data that cannot be read (cut short or corrupt)", wanted);
+  }
+  if constexpr (std::is_same_v<T, float>) {
+    for (size_t i = 0; i < values.size(); ++i) {
+      if (!std::isfinite(values[i]))
+        throw invalid(name, fmt::format("{} at element {}", values[i], i), "finite numbers");
+    }
+  }
+  return values;
+}
+
+std::vector<float> Hdf5Reader::read_float(const std::string& d, const std::vector<uint64_t>& e, uint64_t limit) const {
+  return read<float>(d, e, limit);
+}
+std::vector<int32_t> Hdf5Reader::read_int(const std::string& d, const std::vector<uint64_t>& e, uint64_t limit) const {
+  return read<int32_t>(d, e, limit);
+}
+std::vector<uint8_t> Hdf5Reader::read_byte(const std::string& d, const std::vector<uint64_t>& e, uint64_t limit) const {
+  return read<uint8_t>(d, e, limit);
+}
+
+std::vector<float> Hdf5Reader::read_float_slab(const std::string& name, uint64_t index, uint64_t count) const {
+  const Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT));
+  if (!dataset.ok()) throw invalid(name, "nothing", "a float32 dataset");
+  const std::vector<uint64_t> shape = shape_of(dataset);
+  if (shape.empty() || !matches_type<float>(dataset))
+    throw invalid(name, "shape " + shape_text(shape), "a float32 dataset");
+  if (index > shape[0] || count > shape[0] - index)
+    throw invalid(name, "shape " + shape_text(shape), fmt::format("rows up to {}", index + count));
+  uint64_t elements = count;
+  for (size_t i = 1; i < shape.size(); ++i) {
+    if (shape[i] != 0 && elements > (uint64_t{1} << 31) / shape[i])
+      throw invalid(name, "shape " + shape_text(shape), "at most 2^31 elements");
+    elements *= shape[i];
+  }
+  std::vector<hsize_t> offset(shape.size(), 0), extent(shape.begin(), shape.end());
+  offset[0] = index;
+  extent[0] = count;
+  const Handle space(H5Dget_space(dataset));
+  H5Sselect_hyperslab(space, H5S_SELECT_SET, offset.data(), nullptr, extent.data(), nullptr);
+  const Handle memory(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr));
+  std::vector<float> values(elements);
+  if (elements > 0 && H5Dread(dataset, H5T_NATIVE_FLOAT, memory, space, H5P_DEFAULT, values.data()) < 0) {
+    throw invalid(name, "data that cannot be read (cut short or corrupt)", "a float32 dataset");
+  }
+  return values;
+}
+
+std::vector<double> Hdf5Reader::read_attribute(const std::string& object, const std::string& name, size_t count) const {
+  const std::string where = object + "/@" + name;
+  const std::string wanted = fmt::format("{} numbers", count);
+  const Handle attribute(H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
+  if (!attribute.ok()) throw invalid(where, "nothing", wanted);
+  const Handle space(H5Aget_space(attribute));
+  if (H5Sget_simple_extent_npoints(space) != static_cast<hssize_t>(count)) {
+    throw invalid(where, fmt::format("{} numbers", H5Sget_simple_extent_npoints(space)), wanted);
+  }
+  std::vector<double> values(count);
+  if (H5Aread(attribute, H5T_NATIVE_DOUBLE, values.data()) < 0) throw invalid(where, "another type", wanted);
+  for (double v : values) {
+    if (!std::isfinite(v)) throw invalid(where, fmt::format("{}", v), "finite numbers");
+  }
+  return values;
+}
+
+std::string Hdf5Reader::read_text_attribute(const std::string& object, const std::string& name) const {
+  const std::string where = object + "/@" + name;
+  const Handle attribute(H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
+  if (!attribute.ok()) throw invalid(where, "nothing", "text");
+  const Handle type(H5Aget_type(attribute));
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
+    throw invalid(where, "another type", "a fixed-length text");
+  const size_t size = H5Tget_size(type);
+  if (size > (size_t{64} << 20)) throw invalid(where, fmt::format("{} bytes", size), "a shorter text");
+  std::string text(size, '\0');
+  if (H5Aread(attribute, type, &text[0]) < 0) throw invalid(where, "text that cannot be read", "text");
+  text.resize(std::min(text.find('\0'), text.size()));
+  return text;
+}
+
+Hdf5Writer::Hdf5Writer(const std::string& path, const std::string& record, const Provenance& provenance)
+    : path_(path), out_(path) {
+  silence_hdf5();
+  file_ = H5Fcreate(out_.temporary_path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  if (file_ < 0) fail("/");
+  write_text_attribute("/", "schema", "physmas/" + record + "/1");
+  write_text_attribute("/", "provenance", to_json(provenance, folder_of(path)).dump());
+}
+
+Hdf5Writer::~Hdf5Writer() {
+  if (file_ >= 0) H5Fclose(file_);
+}
+
+void Hdf5Writer::fail(const std::string& where) const {
+  throw Error(ExitCode::invalid_input, path_ + ": cannot be written (" + where + "): is the disk full?");
+}
+
+namespace {
+
+hid_t link_properties() {
+  const hid_t properties = H5Pcreate(H5P_LINK_CREATE);
+  H5Pset_create_intermediate_group(properties, 1);
+  return properties;
+}
+
+hid_t dataset_properties(const std::vector<hsize_t>& chunk, bool compress) {
+  const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_obj_track_times(properties, false);
+  if (!chunk.empty()) {
+    H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
+    if (compress) {
+      H5Pset_shuffle(properties);
+      H5Pset_deflate(properties, 1);
+    }
+  }
+  return properties;
+}
+
+}  // namespace
+
+template <class T>
+void Hdf5Writer::write(const std::string& name, const std::vector<uint64_t>& shape, const T* data, bool compress) {
+  const std::vector<hsize_t> dims(shape.begin(), shape.end());
+  hsize_t count = 1;
+  for (hsize_t n : dims) count *= n;
+  const bool chunked = compress && count >= 1024;
+  const Handle links(link_properties());
+  const Handle properties(dataset_properties(chunked ? dims : std::vector<hsize_t>(), chunked));
+  const Handle space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr));
+  const Handle dataset(H5Dcreate2(file_, name.c_str(), file_type<T>(), space, links, properties, H5P_DEFAULT));
+  if (!dataset.ok() || (count > 0 && H5Dwrite(dataset, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
+    fail(name);
+}
+
+void Hdf5Writer::write_float(const std::string& d, const std::vector<uint64_t>& s, const float* data, bool c) {
+  write(d, s, data, c);
+}
+void Hdf5Writer::write_int(const std::string& d, const std::vector<uint64_t>& s, const int32_t* data, bool c) {
+  write(d, s, data, c);
+}
+void Hdf5Writer::write_byte(const std::string& d, const std::vector<uint64_t>& s, const uint8_t* data, bool c) {
+  write(d, s, data, c);
+}
+
+void Hdf5Writer::create_series(const std::string& name, const std::vector<uint64_t>& slab_shape) {
+  std::vector<hsize_t> dims = {0}, limit = {H5S_UNLIMITED}, chunk = {1};
+  for (uint64_t n : slab_shape) {
+    dims.push_back(n);
+    limit.push_back(n);
+    chunk.push_back(std::max<hsize_t>(n, 1));
+  }
+  const Handle links(link_properties());
+  const Handle properties(dataset_properties(chunk, true));
+  const Handle space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), limit.data()));
+  const Handle dataset(H5Dcreate2(file_, name.c_str(), H5T_IEEE_F32LE, space, links, properties, H5P_DEFAULT));
+  if (!dataset.ok()) fail(name);
+}
+
+void Hdf5Writer::append_slab(const std::string& name, const float* data) {
+  const Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT));
+  if (!dataset.ok()) fail(name);
+  std::vector<uint64_t> shape = shape_of(dataset);
+  std::vector<hsize_t> extent(shape.begin(), shape.end()), offset(shape.size(), 0), slab(shape.begin(), shape.end());
+  offset[0] = shape[0];
+  slab[0] = 1;
+  ++extent[0];
+  if (H5Dset_extent(dataset, extent.data()) < 0) fail(name);
+  const Handle space(H5Dget_space(dataset));
+  H5Sselect_hyperslab(space, H5S_SELECT_SET, offset.data(), nullptr, slab.data(), nullptr);
+  const Handle memory(H5Screate_simple(static_cast<int>(slab.size()), slab.data(), nullptr));
+  if (H5Dwrite(dataset, H5T_NATIVE_FLOAT, memory, space, H5P_DEFAULT, data) < 0) fail(name);
+}
+
+void Hdf5Writer::make_group(const std::string& group) {
+  if (H5Lexists(file_, group.c_str(), H5P_DEFAULT) > 0) return;
+  const Handle links(link_properties());
+  // Groups must not carry the time of their creation.
+  const Handle properties(H5Pcreate(H5P_GROUP_CREATE));
+  H5Pset_obj_track_times(properties, false);
+  const Handle g(H5Gcreate2(file_, group.c_str(), links, properties, H5P_DEFAULT));
+  if (!g.ok()) fail(group);
+}
+
+void Hdf5Writer::write_attribute(const std::string& object, const std::string& name,
+                                 const std::vector<double>& values) {
+  const hsize_t count = values.size();
+  const Handle space(count == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, nullptr));
+  const Handle attribute(H5Acreate_by_name(file_, object.c_str(), name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT,
+                                           H5P_DEFAULT, H5P_DEFAULT));
+  if (!attribute.ok() || H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()) < 0) fail(object + "/@" + name);
+}
+
+void Hdf5Writer::write_text_attribute(const std::string& object, const std::string& name, const std::string& text) {
+  const Handle type(H5Tcopy(H5T_C_S1));
+  H5Tset_size(type, text.size() + 1);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  const Handle space(H5Screate(H5S_SCALAR));
+  const Handle attribute(
+      H5Acreate_by_name(file_, object.c_str(), name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  if (!attribute.ok() || H5Awrite(attribute, type, text.c_str()) < 0) fail(object + "/@" + name);
+}
+
+bool Hdf5Writer::commit() {
+  const herr_t closed = H5Fclose(file_);
+  file_ = -1;
+  if (closed < 0) fail("/");
+  return out_.commit();
+}
+
+}  // namespace physmas

@@ -1,0 +1,59 @@
+#include "records/render.h"
+
+namespace physmas {
+
+RenderRecord load_render(const std::string& path) {
+  const Json document = load_record(path, "render");
+  RenderRecord record;
+  record.candidate = document.at("candidate").get<std::string>();
+  if (!document.at("video").is_null()) record.video = document.at("video").get<std::string>();
+  record.frames_written = document.at("frames_written").get<int>();
+  record.file_size = document.at("file_size").get<long>();
+  record.fps = document.value("fps", record.fps);
+  record.width = document.at("width").get<int>();
+  record.height = document.at("height").get<int>();
+  for (const Json& json : document.at("frames")) {
+    FrameForeground frame;
+    frame.frame = json.at("frame").get<int>();
+    const Json& box = json.at("box");
+    frame.present = !box.is_null();
+    if (frame.present) {
+      frame.x0 = box[0].get<int>(), frame.y0 = box[1].get<int>(), frame.x1 = box[2].get<int>(),
+      frame.y1 = box[3].get<int>();
+      if (frame.x1 <= frame.x0 || frame.y1 <= frame.y0) {
+        throw invalid_field(path, "/frames/" + std::to_string(record.frames.size()) + "/box", box,
+                            "x1 > x0 and y1 > y0");
+      }
+    }
+    frame.dark_ratio = json.at("dark_ratio").get<double>();
+    record.frames.push_back(frame);
+  }
+  record.skipped_gaussians = document.value("skipped_gaussians", 0L);
+  record.omitted = omissions_from(document);
+  record.runtime = document.at("runtime");
+  return record;
+}
+
+void save_render(const std::string& path, const RenderRecord& record, const Provenance& provenance) {
+  Json json;
+  json["candidate"] = record.candidate;
+  json["video"] = record.video.empty() ? Json() : Json(record.video);
+  json["frames_written"] = record.frames_written;
+  json["file_size"] = record.file_size;
+  json["fps"] = record.fps;
+  json["width"] = record.width;
+  json["height"] = record.height;
+  json["frames"] = Json::array();
+  for (const FrameForeground& frame : record.frames) {
+    json["frames"].push_back({{"frame", frame.frame},
+                              {"box", frame.present ? Json::array({frame.x0, frame.y0, frame.x1, frame.y1}) : Json()},
+                              {"area", frame.area()},
+                              {"dark_ratio", frame.dark_ratio}});
+  }
+  json["skipped_gaussians"] = record.skipped_gaussians;
+  json["omitted"] = to_json(record.omitted);
+  json["runtime"] = record.runtime;
+  save_record(path, "render", provenance, json);
+}
+
+}  // namespace physmas

@@ -1,0 +1,115 @@
+#include "records/state.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "records/hdf5_file.h"
+
+namespace physmas {
+namespace {
+
+constexpr uint64_t kMaxParticles = 20000000;
+
+void check_indices(const Hdf5Reader& file, const char* dataset, const std::vector<int32_t>& values, int32_t limit) {
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (values[i] < 0 || values[i] >= limit) {
+      throw file.invalid(dataset, fmt::format("{} at element {}", values[i], i),
+                         fmt::format("an index in 0..{}", limit - 1));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<long> State::gaussians_per_row() const {
+  std::vector<long> counts(row_keys.size(), 0);
+  for (int32_t r : gaussian_row) ++counts[r];
+  return counts;
+}
+
+State load_state(const std::string& path, const Inventory* inventory) {
+  const Hdf5Reader file(path, "state");
+  State state;
+  const Json keys = parse_json(file.read_text_attribute("/", "rows"), path);
+  for (const Json& key : keys) state.row_keys.push_back(key.get<std::string>());
+  if (inventory != nullptr) {
+    std::vector<std::string> expected;
+    for (const InventoryRow& row : inventory->rows) expected.push_back(row.key());
+    if (expected != state.row_keys) {
+      throw file.invalid("/@rows", keys.dump().substr(0, 80),
+                         "the rows of the inventory; make the state again with pm-lift");
+    }
+  }
+  const int32_t rows = static_cast<int32_t>(state.row_keys.size());
+  state.gaussian_row = file.read_int("/gaussians/row", {UINT64_MAX}, kMaxParticles);
+  const uint64_t gaussians = state.gaussian_row.size();
+  if (gaussians == 0) throw file.invalid("/gaussians/row", "no Gaussians", "at least one");
+  state.gaussian_object = file.read_int("/gaussians/object", {gaussians});
+  state.gaussian_confidence = file.read_float("/gaussians/confidence", {gaussians});
+  state.row = file.read_int("/particles/row", {UINT64_MAX}, kMaxParticles);
+  const uint64_t particles = state.row.size();
+  if (particles < gaussians)
+    throw file.invalid("/particles/row", fmt::format("{} particles", particles),
+                       fmt::format("at least the {} Gaussians", gaussians));
+  state.object = file.read_int("/particles/object", {particles});
+  state.source = file.read_int("/particles/source", {particles});
+  state.volume = file.read_float("/particles/volume", {particles});
+  const std::vector<float> position = file.read_float("/particles/position", {particles, 3});
+  state.map.s = file.read_attribute("/map", "s", 1)[0];
+  const std::vector<double> d = file.read_attribute("/map", "d", 3);
+  state.map.d = {d[0], d[1], d[2]};
+  state.map.length = file.read_attribute("/map", "L", 1)[0];
+  state.map.n = static_cast<int>(file.read_attribute("/map", "n", 1)[0]);
+  if (!(state.map.s > 0)) throw file.invalid("/map/@s", fmt::format("{}", state.map.s), "a positive scale");
+  if (!(state.map.length > 0)) throw file.invalid("/map/@L", fmt::format("{}", state.map.length), "a positive length");
+  check_indices(file, "/gaussians/row", state.gaussian_row, rows);
+  check_indices(file, "/particles/row", state.row, rows);
+  check_indices(file, "/particles/source", state.source, static_cast<int32_t>(gaussians));
+  const int32_t objects = inventory != nullptr ? static_cast<int32_t>(inventory->objects.size()) : rows;
+  check_indices(file, "/gaussians/object", state.gaussian_object, objects);
+  check_indices(file, "/particles/object", state.object, objects);
+  state.position.resize(particles);
+  for (uint64_t q = 0; q < particles; ++q) {
+    state.position[q] = {position[3 * q], position[3 * q + 1], position[3 * q + 2]};
+    if (state.position[q].minCoeff() < 0 || state.position[q].maxCoeff() > state.map.length) {
+      throw file.invalid("/particles/position", fmt::format("a position outside the solver cube at particle {}", q),
+                         fmt::format("0..{} on every axis", state.map.length));
+    }
+    if (!(state.volume[q] > 0))
+      throw file.invalid("/particles/volume", fmt::format("{} at particle {}", state.volume[q], q),
+                         "a positive volume");
+    if (q < gaussians && (state.source[q] != static_cast<int32_t>(q) || state.row[q] != state.gaussian_row[q])) {
+      throw file.invalid("/particles/source", fmt::format("particle {} that is not Gaussian {}", q, q),
+                         "the Gaussians first, in file order");
+    }
+  }
+  for (const Json& entry : parse_json(file.read_text_attribute("/", "omitted"), path)) {
+    state.omitted.push_back({entry.at("what").get<std::string>(), entry.at("why").get<std::string>()});
+  }
+  return state;
+}
+
+void save_state(const std::string& path, const State& state, const Provenance& provenance) {
+  Hdf5Writer file(path, "state", provenance);
+  file.write_text_attribute("/", "omitted", to_json(state.omitted).dump());
+  file.write_text_attribute("/", "rows", Json(state.row_keys).dump());
+  const uint64_t gaussians = state.gaussian_count(), particles = state.particle_count();
+  file.write_int("/gaussians/object", {gaussians}, state.gaussian_object.data());
+  file.write_int("/gaussians/row", {gaussians}, state.gaussian_row.data());
+  file.write_float("/gaussians/confidence", {gaussians}, state.gaussian_confidence.data());
+  static_assert(sizeof(Eigen::Vector3f) == 3 * sizeof(float), "positions are stored without padding");
+  file.write_float("/particles/position", {particles, 3}, state.position.front().data());
+  file.write_float("/particles/volume", {particles}, state.volume.data());
+  file.write_int("/particles/row", {particles}, state.row.data());
+  file.write_int("/particles/object", {particles}, state.object.data());
+  file.write_int("/particles/source", {particles}, state.source.data());
+  file.make_group("/map");
+  file.write_attribute("/map", "s", {state.map.s});
+  file.write_attribute("/map", "d", {state.map.d.x(), state.map.d.y(), state.map.d.z()});
+  file.write_attribute("/map", "L", {state.map.length});
+  file.write_attribute("/map", "n", {static_cast<double>(state.map.n)});
+  file.commit();
+}
+
+}  // namespace physmas

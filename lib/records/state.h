@@ -1,0 +1,52 @@
+// state.h5: Gaussian labels and initial particles, the paper's Z^0.
+#ifndef PHYSMAS_RECORDS_STATE_H
+#define PHYSMAS_RECORDS_STATE_H
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "records/inventory.h"
+
+namespace physmas {
+
+// The isotropic map N(x) = s x + d from scene to solver space (paper, "Solver-Aware Shared-Domain Simulation").
+struct SolverMap {
+  double s = 1;                                 // > 0
+  Eigen::Vector3d d = Eigen::Vector3d::Zero();  // solver units
+  double length = 2;                            // L, edge of the solver cube
+  int n = 100;                                  // cells per axis
+  Eigen::Vector3d to_solver(const Eigen::Vector3d& x) const { return s * x + d; }
+  Eigen::Vector3d to_scene(const Eigen::Vector3d& x) const { return (x - d) / s; }
+};
+
+struct State {
+  // Gaussians, file order, [N_G].
+  std::vector<int32_t> gaussian_object;    // index into inventory.objects
+  std::vector<int32_t> gaussian_row;       // index into inventory.rows; never -1
+  std::vector<float> gaussian_confidence;  // 0..1
+  // Particles, [N_Q]; the first N_G are the Gaussians.
+  std::vector<Eigen::Vector3f> position;  // solver space
+  std::vector<float> volume;              // rest volume V_q^0, solver units cubed
+  std::vector<int32_t> row;
+  std::vector<int32_t> object;
+  std::vector<int32_t> source;  // source Gaussian iota(q), paper Eq. (particlesource)
+  SolverMap map;
+  std::vector<std::string> row_keys;  // inventory.rows when the state was made
+  std::vector<Omission> omitted;
+
+  size_t gaussian_count() const { return gaussian_row.size(); }
+  size_t particle_count() const { return row.size(); }
+  // Gaussians with each row, [inventory.rows].
+  std::vector<long> gaussians_per_row() const;
+};
+
+// Checks sizes, index ranges, finite positions inside [0, L]^3, volumes > 0, and that the first N_G particles are the
+// Gaussians. `inventory`, when given, must have the rows that the state was made with.
+State load_state(const std::string& path, const Inventory* inventory = nullptr);
+void save_state(const std::string& path, const State& state, const Provenance& provenance);
+
+}  // namespace physmas
+
+#endif

@@ -1,0 +1,77 @@
+#include "records/validator.h"
+
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validation_results.hpp>
+#include <valijson/validator.hpp>
+
+#include "base/error.h"
+#include "records/schema_text.h"
+
+namespace physmas {
+namespace {
+
+using nlohmann::json;
+
+json schema_document(const std::string& file) {
+  for (int i = 0; i < kSchemaTextCount; ++i) {
+    if (file == kSchemaTexts[i].name) return json::parse(kSchemaTexts[i].text);
+  }
+  throw internal_error("no schema named " + file);
+}
+
+// Schemas refer to schemas/common.json by its file name.
+const json* fetch_schema(const std::string& uri) {
+  const size_t slash = uri.find_last_of('/');
+  return new json(schema_document(slash == std::string::npos ? uri : uri.substr(slash + 1)));
+}
+
+void free_schema(const json* document) {
+  delete document;
+}
+
+const valijson::Schema& compiled_schema(const std::string& record) {
+  static std::map<std::string, std::unique_ptr<valijson::Schema>> cache;
+  std::unique_ptr<valijson::Schema>& schema = cache[record];
+  if (!schema) {
+    schema = std::make_unique<valijson::Schema>();
+    const json document = schema_document(record + ".json");
+    valijson::SchemaParser parser;
+    parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(document), *schema, fetch_schema, free_schema);
+  }
+  return *schema;
+}
+
+// valijson names a place as "<root>[rows][0][name]".
+std::string pointer_of(const std::vector<std::string>& context) {
+  std::string pointer;
+  for (const std::string& step : context) {
+    if (step == "<root>") continue;
+    pointer += "/" + (step.size() > 2 && step.front() == '[' ? step.substr(1, step.size() - 2) : step);
+  }
+  return pointer;
+}
+
+}  // namespace
+
+std::vector<SchemaViolation> find_schema_violations(const nlohmann::ordered_json& document, const std::string& record) {
+  const json plain = document;
+  valijson::Validator validator;
+  valijson::ValidationResults results;
+  std::vector<SchemaViolation> violations;
+  if (validator.validate(compiled_schema(record), valijson::adapters::NlohmannJsonAdapter(plain), &results)) {
+    return violations;
+  }
+  valijson::ValidationResults::Error error;
+  while (results.popError(error)) {
+    violations.push_back({pointer_of(error.context), error.description, static_cast<int>(error.context.size())});
+  }
+  if (violations.empty()) violations.push_back({"", "the schema does not accept it", 0});
+  return violations;
+}
+
+}  // namespace physmas

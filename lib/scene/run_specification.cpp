@@ -1,0 +1,219 @@
+#include "scene/run_specification.h"
+
+#include <array>
+#include <cmath>
+
+namespace physmas {
+namespace {
+
+using Collider = RunSpecification::Collider;
+
+constexpr std::array<const char*, 3> kColliderTypes = {"plane", "box", "sphere"};
+constexpr std::array<const char*, 3> kColliderModes = {"sticky", "slip", "separate"};
+
+template <size_t N>
+int index_of(const std::array<const char*, N>& names, const std::string& name) {
+  for (size_t i = 0; i < N; ++i) {
+    if (name == names[i]) return static_cast<int>(i);
+  }
+  throw internal_error("a name that the schema should have refused: " + name);
+}
+
+// Copies json[key] into `value` when it is there.
+template <class T>
+void read(const Json& json, const char* key, T& value) {
+  if (json.contains(key)) value = json.at(key).get<T>();
+}
+void read(const Json& json, const char* key, Eigen::Vector3d& value) {
+  if (json.contains(key)) value = vector3_from(json.at(key));
+}
+
+Collider collider_from(const Json& json, const std::string& file, const std::string& pointer) {
+  Collider c;
+  c.type = static_cast<Collider::Type>(index_of(kColliderTypes, json.at("type").get<std::string>()));
+  if (json.contains("mode")) {
+    c.mode = static_cast<Collider::Mode>(index_of(kColliderModes, json.at("mode").get<std::string>()));
+  }
+  read(json, "friction", c.friction);
+  static const std::array<std::vector<const char*>, 3> kFields = {
+      {{"point", "normal"}, {"min", "max"}, {"center", "radius"}}};
+  for (size_t type = 0; type < kFields.size(); ++type) {
+    for (const char* field : kFields[type]) {
+      if (json.contains(field) != (static_cast<int>(type) == static_cast<int>(c.type))) {
+        throw invalid_field(
+            file, pointer, json,
+            std::string("a ") + kColliderTypes[static_cast<int>(c.type)] + " with exactly its own fields",
+            "plane: point, normal; box: min, max; sphere: center, radius");
+      }
+    }
+  }
+  read(json, "point", c.point);
+  read(json, "center", c.point);
+  read(json, "normal", c.normal);
+  read(json, "min", c.min);
+  read(json, "max", c.max);
+  read(json, "radius", c.radius);
+  if (c.type == Collider::Type::plane) {
+    if (!(c.normal.norm() > 1e-9))
+      throw invalid_field(file, pointer + "/normal", json.at("normal"), "a vector that is not zero");
+    c.normal.normalize();
+  }
+  if (c.type == Collider::Type::box && !(c.max.array() > c.min.array()).all()) {
+    throw invalid_field(file, pointer + "/max", json.at("max"), "a corner above /min on every axis");
+  }
+  return c;
+}
+
+}  // namespace
+
+Eigen::Vector3d axis_vector(const std::string& name) {
+  const bool negative = !name.empty() && name[0] == '-';
+  const char letter = name.size() == (negative ? 2u : 1u) ? name.back() : '?';
+  if (letter < 'x' || letter > 'z')
+    throw Error(ExitCode::usage, "found axis \"" + name + "\", expected x, y, z, -x, -y or -z");
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  axis[letter - 'x'] = negative ? -1 : 1;
+  return axis;
+}
+
+RunSpecification run_specification_from(const Json& json, const std::string& file, const std::string& pointer) {
+  RunSpecification run;
+  const Json empty = Json::object();
+  const auto section = [&](const char* name) -> const Json& { return json.contains(name) ? json.at(name) : empty; };
+
+  const Json& grid = section("grid");
+  read(grid, "n", run.grid.n);
+  read(grid, "length", run.grid.length);
+
+  const Json& placement = section("placement");
+  run.placement.extent = 0.5 * run.grid.length;
+  run.placement.center.setConstant(0.5 * run.grid.length);
+  read(placement, "extent", run.placement.extent);
+  read(placement, "center", run.placement.center);
+  read(placement, "up", run.placement.up);
+
+  const Json& time = section("time");
+  read(time, "frames", run.time.frames);
+  read(time, "frame_dt", run.time.frame_dt);
+  read(time, "substep_dt", run.time.substep_dt);
+  read(time, "min_substep_dt", run.time.min_substep_dt);
+  read(time, "max_substeps", run.time.max_substeps);
+  if (run.time.substep_dt > run.time.frame_dt) {
+    throw invalid_field(file, pointer + "/time/substep_dt", run.time.substep_dt, "at most frame_dt");
+  }
+  if (run.time.min_substep_dt > run.time.substep_dt) {
+    throw invalid_field(file, pointer + "/time/min_substep_dt", run.time.min_substep_dt, "at most substep_dt");
+  }
+
+  run.gravity = -9.8 * run.placement.up_vector();
+  if (json.contains("gravity")) {
+    const Json& gravity = json.at("gravity");
+    run.gravity = gravity.is_number() ? Eigen::Vector3d(gravity.get<double>() * run.placement.up_vector())
+                                      : vector3_from(gravity);
+  }
+
+  const Json& colliders = json.contains("colliders") ? json.at("colliders") : empty;
+  for (size_t i = 0; i < colliders.size(); ++i) {
+    run.colliders.push_back(collider_from(colliders[i], file, pointer + "/colliders/" + std::to_string(i)));
+  }
+  read(json, "walls", run.walls);
+
+  const Json& particles = section("particles");
+  read(particles, "max", run.particles.max);
+  read(particles, "per_cell", run.particles.per_cell);
+  read(particles, "fill", run.particles.fill);
+
+  const Json& profile = section("profile");
+  read(profile, "foam_yield", run.profile.foam_yield);
+  read(profile, "foam_viscosity", run.profile.foam_viscosity);
+  read(profile, "plasticine_yield", run.profile.plasticine_yield);
+  read(profile, "plasticine_softening", run.profile.plasticine_softening);
+  read(profile, "plasticine_residual", run.profile.plasticine_residual);
+  read(profile, "sand_friction_angle", run.profile.sand_friction_angle);
+  read(profile, "alpha", run.profile.alpha);
+  read(profile, "sand_k", run.profile.sand_k);
+  read(profile, "snow_k", run.profile.snow_k);
+  read(profile, "plasticine_k", run.profile.plasticine_k);
+
+  const Json& screening = section("screening");
+  read(screening, "initial", run.screening.initial);
+  read(screening, "rounds", run.screening.rounds);
+  read(screening, "repairs", run.screening.repairs);
+  read(screening, "tau", run.screening.tau);
+  read(screening, "dark_luminance", run.screening.dark_luminance);
+
+  const Json& render = section("render");
+  read(render, "width", run.render.width);
+  read(render, "height", run.render.height);
+  read(render, "background", run.render.background);
+  read(render, "sh_degree", run.render.sh_degree);
+
+  const double wall = run.walls * run.grid.dx();
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.5 * run.placement.extent);
+  if (((run.placement.center - half).array() < wall).any() ||
+      ((run.placement.center + half).array() > run.grid.length - wall).any()) {
+    throw invalid_field(file, pointer + "/placement", to_json(run).at("placement"),
+                        "a cube of edge `extent` at `center` inside the walls of the solver domain",
+                        "make extent smaller or move center towards the middle");
+  }
+  return run;
+}
+
+Json to_json(const RunSpecification& run) {
+  Json json;
+  json["grid"] = {{"n", run.grid.n}, {"length", run.grid.length}};
+  json["placement"] = {
+      {"extent", run.placement.extent}, {"center", to_json(run.placement.center)}, {"up", run.placement.up}};
+  json["time"] = {{"frames", run.time.frames},
+                  {"frame_dt", run.time.frame_dt},
+                  {"substep_dt", run.time.substep_dt},
+                  {"min_substep_dt", run.time.min_substep_dt},
+                  {"max_substeps", run.time.max_substeps}};
+  json["gravity"] = to_json(run.gravity);
+  json["colliders"] = Json::array();
+  for (const Collider& c : run.colliders) {
+    Json entry;
+    entry["type"] = kColliderTypes[static_cast<int>(c.type)];
+    switch (c.type) {
+      case Collider::Type::plane:
+        entry["point"] = to_json(c.point);
+        entry["normal"] = to_json(c.normal);
+        break;
+      case Collider::Type::box:
+        entry["min"] = to_json(c.min);
+        entry["max"] = to_json(c.max);
+        break;
+      case Collider::Type::sphere:
+        entry["center"] = to_json(c.point);
+        entry["radius"] = c.radius;
+        break;
+    }
+    entry["mode"] = kColliderModes[static_cast<int>(c.mode)];
+    entry["friction"] = c.friction;
+    json["colliders"].push_back(entry);
+  }
+  json["walls"] = run.walls;
+  json["particles"] = {{"max", run.particles.max}, {"per_cell", run.particles.per_cell}, {"fill", run.particles.fill}};
+  json["profile"] = {{"foam_yield", run.profile.foam_yield},
+                     {"foam_viscosity", run.profile.foam_viscosity},
+                     {"plasticine_yield", run.profile.plasticine_yield},
+                     {"plasticine_softening", run.profile.plasticine_softening},
+                     {"plasticine_residual", run.profile.plasticine_residual},
+                     {"sand_friction_angle", run.profile.sand_friction_angle},
+                     {"alpha", run.profile.alpha},
+                     {"sand_k", run.profile.sand_k},
+                     {"snow_k", run.profile.snow_k},
+                     {"plasticine_k", run.profile.plasticine_k}};
+  json["screening"] = {{"initial", run.screening.initial},
+                       {"rounds", run.screening.rounds},
+                       {"repairs", run.screening.repairs},
+                       {"tau", run.screening.tau},
+                       {"dark_luminance", run.screening.dark_luminance}};
+  json["render"] = {{"width", run.render.width},
+                    {"height", run.render.height},
+                    {"background", to_json(run.render.background)},
+                    {"sh_degree", run.render.sh_degree}};
+  return json;
+}
+
+}  // namespace physmas
