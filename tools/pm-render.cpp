@@ -17,6 +17,7 @@
 #include "splat/foreground.h"
 #include "splat/image_io.h"
 #include "splat/renderer.h"
+#include "splat/transport.h"
 #include "splat/video.h"
 
 namespace fs = std::filesystem;
@@ -57,26 +58,6 @@ std::vector<int> parse_frames(const std::string& list, int count) {
   if (frames.empty()) throw bad();
   return frames;
 }
-
-// The Gaussians of one rollout frame in scene space (paper, Eq. gaussiantransport).
-class TransportedFrame {
- public:
-  TransportedFrame(const RolloutFrame& frame, const SolverMap& map) {
-    const size_t count = frame.position.size() / 3;
-    position_.resize(count);
-    F_.resize(count);
-    for (size_t i = 0; i < count; ++i) {
-      const Eigen::Vector3d x(frame.position[3 * i], frame.position[3 * i + 1], frame.position[3 * i + 2]);
-      position_[i] = map.to_scene(x).cast<float>();
-      F_[i] = Eigen::Map<const splat::RowMatrix3f>(&frame.F[9 * i]);
-    }
-  }
-  splat::Deformation deformation() const { return {position_.data(), F_.data()}; }
-
- private:
-  std::vector<Eigen::Vector3f> position_;
-  std::vector<splat::RowMatrix3f> F_;
-};
 
 int render(const Options& options, const CommonOptions&) {
   if (!options.ply.empty()) throw Error(ExitCode::usage, "--ply: writing a PLY per frame is not built yet; use --png for frames");
@@ -130,7 +111,7 @@ int render(const Options& options, const CommonOptions&) {
                            fmt::format("{}x{}, as the first output camera", record.width, record.height)});
     }
     const Stopwatch render_watch;
-    const TransportedFrame transported(rollout.frame(t), state.map);
+    const splat::TransportedFrame transported(rollout.frame(t), state.map);
     const splat::RenderedImage& image = renderer.render(camera, transported.deformation(), render_options);
     record.skipped_gaussians += static_cast<long>(renderer.stats().skipped);
     const Image quantized = splat::quantize(image);

@@ -44,6 +44,8 @@ int run_tool(int argc, char** argv, const ToolMain& tool) {
   CLI::App app(tool.description, tool.name);
   app.footer(tool.footer);
   app.get_formatter()->column_width(34);
+  // Common options may stand after a subcommand, too.
+  app.fallthrough();
   tool.options(app);
   app.add_option("--threads", common.threads, "Number of threads, 0 for all cores")
       ->check(CLI::Range(0, 1024))

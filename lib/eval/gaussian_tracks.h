@@ -1,0 +1,35 @@
+// Exact tracks and silhouettes of our own runs: projected Gaussians instead of a video tracker.
+#ifndef PHYSMAS_EVAL_GAUSSIAN_TRACKS_H
+#define PHYSMAS_EVAL_GAUSSIAN_TRACKS_H
+
+#include <vector>
+
+#include "eval/motion.h"
+#include "records/rollout.h"
+#include "records/state.h"
+#include "scene/gaussians.h"
+#include "scene/scene.h"
+
+namespace physmas::eval {
+
+// The fixed query grid lies over the whole image, kGrid x kGrid cell centres, restricted to the eroded target mask.
+constexpr int kGrid = 16;
+
+struct TargetMotion {
+  Tracks tracks;
+  std::vector<long> areas;  // visible target pixels per frame
+};
+
+// Gaussians that the query grid hits in frame 0 of the reference: under each query pixel inside the target's mask,
+// eroded by one pixel, the target Gaussian with the largest blending weight there.
+// target: [N_G] 1 where the Gaussian belongs to the target. Returns Gaussian indices in grid order.
+std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, const State& state, const RolloutReader& rollout, const std::vector<uint8_t>& target);
+
+// Tracks of the query Gaussians' means and the target's visible silhouette, all Gaussians as occluders, over all frames.
+// A point is visible where it projects with positive depth into the target's silhouette.
+TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const State& state, const RolloutReader& rollout, const std::vector<uint8_t>& target,
+                          const std::vector<int>& queries);
+
+}  // namespace physmas::eval
+
+#endif

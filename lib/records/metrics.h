@@ -1,0 +1,24 @@
+// metrics.json: measurements of a run; one that could not be made says why and has no value.
+#ifndef PHYSMAS_RECORDS_METRICS_H
+#define PHYSMAS_RECORDS_METRICS_H
+
+#include <string>
+#include <vector>
+
+#include "records/json.h"
+
+namespace physmas {
+
+struct MetricEntry {
+  std::string name;
+  bool valid = false;
+  double value = 0;
+  long samples = 0;
+  std::string reason;
+};
+
+void save_metrics(const std::string& path, const std::string& target, const std::vector<MetricEntry>& metrics, const Provenance& provenance);
+
+}  // namespace physmas
+
+#endif
