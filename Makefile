@@ -100,3 +100,12 @@ PACKAGES := g++ make pkg-config libeigen3-dev libhdf5-dev libopencv-core-dev lib
 
 .PHONY: deps-present
 deps-present:
+
+.PHONY: bench
+bench: $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%) ## Particle-steps per second of the solver, per branch
+	$(Q)$(BUILD)/bench/bench_mpm
+
+$(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(LIBRARY)
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
