@@ -190,6 +190,17 @@ test-cli: all $(TEST_TOOLS) ## The command-line tests
 	status=$${PIPESTATUS[0]}; passed=$$(grep -c '^ok' $$log); skipped=$$(grep -c '^ok.* # skip' $$log); failed=$$(grep -c '^not ok' $$log); \
 	rm -f $$log; echo "$$((passed - skipped)) passed, $$failed failed, $$skipped skipped"; exit $$status
 
+# --- Benchmarks ---------------------------------------------------------------------------------------------------
+
+.PHONY: bench
+bench: $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%) ## Particle-steps per second of the solver, per branch
+	$(Q)for b in $^; do $$b || exit; done
+
+$(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(LIBRARY)
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
+
 # --- Housekeeping -------------------------------------------------------------------------------------------------
 
 PREFIX ?= /usr/local

@@ -1,0 +1,139 @@
+// SIMD lanes of numbers, one particle per lane: the same operations as in scalar.h.
+#ifndef PHYSMAS_MPM_LANES_H
+#define PHYSMAS_MPM_LANES_H
+
+#include <cstdint>
+#include <cstring>
+
+// GCC 12 takes the deliberately undefined registers inside its own AVX-512 headers for a mistake of ours (PR 105593).
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#include <experimental/simd>
+#pragma GCC diagnostic pop
+
+#include "mpm/scalar.h"
+
+namespace physmas::mpm {
+
+namespace stdx = std::experimental;
+
+// As many numbers as one register of the target holds.
+template <class T>
+using Lanes = stdx::native_simd<T>;
+template <class T>
+constexpr int kLanes = static_cast<int>(Lanes<T>::size());
+
+template <class T>
+struct ScalarOf<stdx::simd<T, stdx::simd_abi::native<T>>> {
+  using Type = T;
+};
+
+template <class T, class Abi>
+inline stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& condition, const stdx::simd<T, Abi>& yes,
+                                 const stdx::simd<T, Abi>& no) {
+  stdx::simd<T, Abi> result = no;
+  stdx::where(condition, result) = yes;
+  return result;
+}
+template <class T, class Abi>
+inline bool all(const stdx::simd_mask<T, Abi>& condition) {
+  return stdx::all_of(condition);
+}
+template <class T, class Abi>
+inline bool any(const stdx::simd_mask<T, Abi>& condition) {
+  return stdx::any_of(condition);
+}
+template <class T, class Abi>
+inline stdx::simd<T, Abi> square_root(const stdx::simd<T, Abi>& x) {
+  return stdx::sqrt(x);
+}
+template <class T, class Abi>
+inline stdx::simd<T, Abi> absolute(const stdx::simd<T, Abi>& x) {
+  return stdx::abs(x);
+}
+template <class T, class Abi>
+inline stdx::simd<T, Abi> round_down(const stdx::simd<T, Abi>& x) {
+  return stdx::floor(x);
+}
+
+// How a floating-point number is stored, for taking it apart and putting it together.
+template <class T>
+struct FloatBits;
+template <>
+struct FloatBits<float> {
+  using Int = std::int32_t;
+  static constexpr int kMantissa = 23;
+  static constexpr Int kBias = 127;
+  static constexpr Int kHalf = 0x3f000000;  // the bits of 0.5
+};
+template <>
+struct FloatBits<double> {
+  using Int = std::int64_t;
+  static constexpr int kMantissa = 52;
+  static constexpr Int kBias = 1023;
+  static constexpr Int kHalf = 0x3fe0000000000000;
+};
+
+// The same bytes as another type.
+template <class To, class From>
+inline To same_bytes(const From& from) {
+  static_assert(sizeof(To) == sizeof(From));
+  To to;
+  std::memcpy(static_cast<void*>(&to), static_cast<const void*>(&from), sizeof(To));
+  return to;
+}
+
+// Natural logarithm of positive normal numbers, within 2 ulp. log(m 2^e) = e log 2 + 2 atanh((m - 1) / (m + 1)) with m
+// in [sqrt(1/2), sqrt(2)): exact at 1, and the relative error stays small next to 1, where strains are tiny.
+template <class T, class Abi>
+inline stdx::simd<T, Abi> natural_log(const stdx::simd<T, Abi>& x) {
+  using V = stdx::simd<T, Abi>;
+  using Bits = FloatBits<T>;
+  using Int = typename Bits::Int;
+  typedef T FloatVector __attribute__((vector_size(sizeof(V))));
+  typedef Int IntVector __attribute__((vector_size(sizeof(V))));
+  const IntVector bits = same_bytes<IntVector>(x);
+  const Int mask = (Int{1} << Bits::kMantissa) - 1;
+  const IntVector exponent = (bits >> Bits::kMantissa) - (Bits::kBias - 1);
+  const IntVector mantissa = (bits & mask) | Bits::kHalf;
+  V e = same_bytes<V>(__builtin_convertvector(exponent, FloatVector));
+  V m = same_bytes<V>(mantissa);
+  const auto low = m < V(T(0.70710678118654752440));
+  m = select(low, m + m, m);
+  e = select(low, e - V(T(1)), e);
+  const V s = (m - T(1)) / (m + T(1));
+  const V z = s * s;
+  constexpr int kTerms = sizeof(T) == 4 ? 5 : 10;
+  V sum(T(2) / T(2 * kTerms + 1));
+  for (int k = kTerms - 1; k >= 1; --k) sum = sum * z + V(T(2) / T(2 * k + 1));
+  constexpr T kLogTwoHigh = sizeof(T) == 4 ? T(0.693359375) : T(6.93145751953125e-1);
+  constexpr T kLogTwoLow = sizeof(T) == 4 ? T(-2.12194440e-4) : T(1.42860682030941723212e-6);
+  return e * kLogTwoHigh + (s + s + (s * z * sum + e * kLogTwoLow));
+}
+
+// Exponential function within 2 ulp; arguments are cut to the range whose result is a normal number.
+template <class T, class Abi>
+inline stdx::simd<T, Abi> exponential(const stdx::simd<T, Abi>& x) {
+  using V = stdx::simd<T, Abi>;
+  using Bits = FloatBits<T>;
+  using Int = typename Bits::Int;
+  typedef T FloatVector __attribute__((vector_size(sizeof(V))));
+  typedef Int IntVector __attribute__((vector_size(sizeof(V))));
+  constexpr T kLimit = sizeof(T) == 4 ? T(87) : T(708);
+  const V above = select(x > V(-kLimit), x, V(-kLimit));
+  const V y = select(above < V(kLimit), above, V(kLimit));
+  const V n = stdx::floor(y * T(1.44269504088896340736) + T(0.5));
+  constexpr T kLogTwoHigh = sizeof(T) == 4 ? T(0.693359375) : T(6.93145751953125e-1);
+  constexpr T kLogTwoLow = sizeof(T) == 4 ? T(-2.12194440e-4) : T(1.42860682030941723212e-6);
+  const V r = (y - n * kLogTwoHigh) - n * kLogTwoLow;
+  constexpr int kDegree = sizeof(T) == 4 ? 7 : 13;
+  V sum(T(1));
+  for (int k = kDegree; k >= 1; --k) sum = sum * r * (T(1) / T(k)) + T(1);
+  const IntVector exponent = __builtin_convertvector(same_bytes<FloatVector>(n), IntVector) + Bits::kBias;
+  return sum * same_bytes<V>(exponent << Bits::kMantissa);
+}
+
+}  // namespace physmas::mpm
+
+#endif

@@ -1,0 +1,83 @@
+// What a row is made of, and the constants of the six solver profiles.
+#ifndef PHYSMAS_MPM_MATERIAL_H
+#define PHYSMAS_MPM_MATERIAL_H
+
+#include <cmath>
+
+#include "records/labels.h"
+
+namespace physmas::mpm {
+
+// One row's material (paper, Tables "mapping" and "constitutive").
+struct Material {
+  Branch branch = Branch::jelly;
+  double E = 1e5;     // Young's modulus [Pa], > 0
+  double nu = 0.3;    // Poisson ratio, -1 < nu < 0.5
+  double rho = 1000;  // density at rest [kg/m^3], > 0
+};
+
+// Constants that the profiles share between rows, in solver-space units. Part of the run specification.
+struct ProfileConstants {
+  double foam_yield = 2e3;             // [Pa] von Mises strength: |dev tau| <= sqrt(2/3) yield at rest
+  double foam_viscosity = 10;          // [Pa s] flow resistance beyond the yield strength
+  double plasticine_yield = 2e3;       // [Pa]
+  double plasticine_softening = 200;   // [Pa per unit plastic strain] strength lost to damage
+  double plasticine_residual = 0.1;    // strength left after full damage, as a fraction of plasticine_yield
+  double sand_friction_angle = 30;     // [degrees]
+  double drucker_prager_alpha = 0.16;  // slope of the stress cone of Sand, Snow and Plasticine
+  double sand_cohesion = 0;            // k of the stress cone [Pa]
+  double snow_cohesion = 1000;         // [Pa]
+  double plasticine_cohesion = 5000;   // [Pa]
+};
+
+// The numbers that the constitutive functions read, derived from a Material and the profile constants.
+template <class T>
+struct MaterialParameters {
+  T mu, lambda;       // Lamé parameters [Pa] (paper, Eq. "supp-lame")
+  T bulk;             // lambda + 2 mu / 3 [Pa]
+  T density;          // [kg/m^3]
+  T friction;         // sand: the cone |dev tau| <= -friction tr tau of the return map (Klar et al. 2016)
+  T alpha, cohesion;  // stress cone |dev tau| <= max(0, cohesion - alpha tr tau)
+  T yield;            // foam and plasticine: initial von Mises strength [Pa]
+  T viscosity;        // foam [Pa s]
+  T softening;        // plasticine [Pa]
+  T residual_yield;   // plasticine: strength never falls below this [Pa]
+};
+constexpr int kMaterialParameterCount = 11;
+
+inline MaterialParameters<double> derive_parameters(const Material& m, const ProfileConstants& c) {
+  MaterialParameters<double> p{};
+  p.mu = m.E / (2 * (1 + m.nu));
+  p.lambda = m.E * m.nu / ((1 + m.nu) * (1 - 2 * m.nu));
+  p.bulk = p.lambda + 2 * p.mu / 3;
+  p.density = m.rho;
+  const double sine = std::sin(c.sand_friction_angle * 3.14159265358979323846 / 180);
+  p.friction = std::sqrt(2.0 / 3.0) * 2 * sine / (3 - sine);
+  p.alpha = c.drucker_prager_alpha;
+  p.cohesion = m.branch == Branch::sand   ? c.sand_cohesion
+               : m.branch == Branch::snow ? c.snow_cohesion
+                                          : c.plasticine_cohesion;
+  p.yield = m.branch == Branch::foam ? c.foam_yield : c.plasticine_yield;
+  p.viscosity = c.foam_viscosity;
+  p.softening = c.plasticine_softening;
+  p.residual_yield = c.plasticine_residual * c.plasticine_yield;
+  return p;
+}
+
+// Same numbers in another type, for the solver's precision.
+template <class T>
+inline MaterialParameters<T> convert_parameters(const MaterialParameters<double>& p) {
+  return {T(p.mu),       T(p.lambda), T(p.bulk),      T(p.density),   T(p.friction),      T(p.alpha),
+          T(p.cohesion), T(p.yield),  T(p.viscosity), T(p.softening), T(p.residual_yield)};
+}
+
+// Speed of the fastest elastic wave [m/s] (paper, Eq. "supp-wavespeed").
+inline double wave_speed(const Material& m) {
+  const double mu = m.E / (2 * (1 + m.nu));
+  const double lambda = m.E * m.nu / ((1 + m.nu) * (1 - 2 * m.nu));
+  return std::sqrt((lambda + 2 * mu) / m.rho);
+}
+
+}  // namespace physmas::mpm
+
+#endif

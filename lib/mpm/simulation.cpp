@@ -1,0 +1,232 @@
+#include "mpm/simulation.h"
+
+#include <omp.h>
+
+#include <algorithm>
+
+#include "base/clock.h"
+#include "base/error.h"
+#include "mpm/constitutive.h"
+
+namespace physmas::mpm {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& field, const std::string& found, const std::string& expected) {
+  throw invalid_input({"", field, found, expected});
+}
+
+bool finite(const Vec3d& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+
+void check(const Problem& p, const Timing& t) {
+  const Domain& d = p.domain;
+  if (d.n < 8) refuse("grid n", std::to_string(d.n), "at least 8 cells");
+  if (!(d.length > 0) || !std::isfinite(d.length)) refuse("grid length", std::to_string(d.length), "a positive length");
+  if (d.wall_cells < 2 || 2 * d.wall_cells >= d.n)
+    refuse("wall cells", std::to_string(d.wall_cells), "2 up to half of the grid");
+  if (!finite(d.gravity)) refuse("gravity", "a value that is not finite", "three finite numbers");
+  if (t.frames < 1) refuse("frames", std::to_string(t.frames), "at least 1");
+  if (t.substeps < 1) refuse("substeps", std::to_string(t.substeps), "at least 1");
+  if (!(t.frame_dt > 0) || !std::isfinite(t.frame_dt))
+    refuse("frame_dt", std::to_string(t.frame_dt), "a positive time");
+  for (size_t r = 0; r < p.materials.size(); ++r) {
+    const Material& m = p.materials[r];
+    const std::string where = "material " + std::to_string(r) + " ";
+    if (!(m.E > 0) || !std::isfinite(m.E)) refuse(where + "E", std::to_string(m.E), "a positive modulus");
+    if (!(m.nu > -1 && m.nu < 0.5)) refuse(where + "nu", std::to_string(m.nu), "above -1 and below 0.5");
+    if (!(m.rho > 0) || !std::isfinite(m.rho)) refuse(where + "rho", std::to_string(m.rho), "a positive density");
+  }
+  const Particles& q = p.particles;
+  const size_t count = q.size();
+  if (q.volume.size() != count || q.row.size() != count || (!q.velocity.empty() && q.velocity.size() != count))
+    refuse("particles", "arrays of different lengths", "one entry per particle in each");
+  for (size_t i = 0; i < count; ++i) {
+    const std::string where = "particle " + std::to_string(i) + " ";
+    if (!finite(q.position[i])) refuse(where + "position", "a value that is not finite", "three finite numbers");
+    if (!(q.volume[i] > 0) || !std::isfinite(q.volume[i]))
+      refuse(where + "volume", std::to_string(q.volume[i]), "a positive volume");
+    if (q.row[i] < 0 || q.row[i] >= static_cast<int>(p.materials.size()))
+      refuse(where + "row", std::to_string(q.row[i]), "an index into the materials");
+    if (!q.velocity.empty() && !finite(q.velocity[i]))
+      refuse(where + "velocity", "a value that is not finite", "three finite numbers");
+  }
+}
+
+State rest_state(const Problem& problem, const StepperSetup& setup) {
+  const size_t count = problem.particles.size();
+  State state;
+  state.x = problem.particles.position;
+  state.v = problem.particles.velocity;
+  state.v.resize(count, {0, 0, 0});
+  state.F.assign(count, identity<double>());
+  state.C.assign(count, diagonal(0.0, 0.0, 0.0));
+  state.strength.resize(count);
+  for (size_t i = 0; i < count; ++i) state.strength[i] = setup.parameters[problem.particles.row[i]].yield;
+  return state;
+}
+
+const char* reason_token(StepFault fault) {
+  switch (fault) {
+    case StepFault::not_finite:
+      return "nan";
+    case StepFault::speed:
+      return "speed";
+    case StepFault::energy:
+      return "energy";
+    case StepFault::none:
+      break;
+  }
+  return "";
+}
+
+std::vector<Omission> omissions(const Problem& problem, const Options& options) {
+  std::vector<Omission> list;
+  bool used[kBranchCount] = {}, svd = false;
+  for (const int row : problem.particles.row) used[static_cast<int>(problem.materials[row].branch)] = true;
+  for (int b = 0; b < kBranchCount; ++b) {
+    if (!used[b]) list.push_back({std::string("branch ") + kBranchNames[b], "no particle belongs to it"});
+    svd = svd || (used[b] && needs_svd(static_cast<Branch>(b)));
+  }
+  if (!svd) list.push_back({"singular value decomposition", "no present branch needs principal stretches"});
+  if (problem.domain.colliders.empty()) list.push_back({"colliders", "none are configured"});
+  if (problem.schedule.actions.empty()) list.push_back({"actions", "none are scheduled"});
+  if (problem.schedule.projections.empty()) list.push_back({"structure projection", "no row is projected"});
+  if (problem.schedule.retentions.empty()) list.push_back({"interface retention", "no support retains its neighbours"});
+  if (!options.measure_energy) list.push_back({"elastic energy and det F range", "not asked for"});
+  return list;
+}
+
+}  // namespace
+
+Balance measure_balance(const Problem& problem, const State& state) {
+  Balance b;
+  const double dx = problem.domain.dx();
+  // An APIC particle carries the angular momentum of its affine field: inertia m dx²/4 per axis (Jiang et al. 2015).
+  const double spread = dx * dx / 4;
+  const double wall_low = (problem.domain.wall_cells + 1.5) * dx;
+  const double wall_high = problem.domain.length - wall_low;
+  for (size_t i = 0; i < state.size(); ++i) {
+    const double m = problem.materials[problem.particles.row[i]].rho * problem.particles.volume[i];
+    const Vec3d& x = state.x[i];
+    const Vec3d& v = state.v[i];
+    const Mat3d& C = state.C[i];
+    const Vec3d spin = {C[2][1] - C[1][2], C[0][2] - C[2][0], C[1][0] - C[0][1]};
+    b.mass += m;
+    b.kinetic += 0.5 * m * dot(v, v);
+    b.gravity -= m * dot(problem.domain.gravity, x);
+    b.momentum = b.momentum + m * v;
+    b.angular_momentum = b.angular_momentum + m * (cross(x, v) + spread * spin);
+    b.max_speed = std::max(b.max_speed, norm(v));
+    const double low = std::min({x.x, x.y, x.z}), high = std::max({x.x, x.y, x.z});
+    b.at_wall += low < wall_low || high > wall_high;
+  }
+  return b;
+}
+
+Result run(const Problem& problem, const Timing& timing, const Options& options, const FrameCallback& callback) {
+  check(problem, timing);
+  const Stopwatch total;
+  Result result;
+  result.threads = options.threads > 0 ? options.threads : omp_get_max_threads();
+  result.dt = timing.frame_dt / timing.substeps;
+  result.omitted = omissions(problem, options);
+
+  const ActionPlan actions(problem.schedule.actions, problem.particles);
+  std::vector<CompiledProjection> projections;
+  for (const StructureProjection& p : problem.schedule.projections) projections.emplace_back(p, problem.particles);
+  const auto retentions = CompiledRetention::compile(problem.schedule.retentions, problem.particles);
+
+  StepperSetup setup;
+  setup.domain = problem.domain;
+  for (const Material& m : problem.materials) {
+    setup.branches.push_back(m.branch);
+    setup.parameters.push_back(derive_parameters(m, problem.constants));
+  }
+  setup.row = problem.particles.row;
+  setup.volume = problem.particles.volume;
+  setup.control_group = actions.group_of();
+  setup.threads = result.threads;
+  const auto stepper = make_stepper(options.precision, setup);
+  State state = rest_state(problem, setup);
+
+  double control_work = 0;
+  const auto hand_out = [&](int frame) {
+    Balance b = measure_balance(problem, state);
+    b.frame = frame;
+    b.time = frame * timing.frame_dt;
+    b.control_work = control_work;
+    if (options.measure_energy) {
+      const ElasticSummary elastic = summarise_elastic(setup, state);
+      b.elastic = elastic.energy;
+      b.min_J = elastic.min_J;
+      b.max_J = elastic.max_J;
+      result.min_J = std::min(result.min_J, b.min_J);
+      result.max_J = std::max(result.max_J, b.max_J);
+    }
+    result.particles_at_wall = std::max(result.particles_at_wall, b.at_wall);
+    result.max_speed = std::max(result.max_speed, b.max_speed);
+    result.balances.push_back(b);
+    callback({frame, b.time, state});
+    ++result.frames_done;
+  };
+  hand_out(0);
+
+  // No motion can hold more kinetic energy than it began with, plus what gravity can give across the domain, plus what
+  // actions and projections put in. Twice that, plus a little for rounding, is the limit of what is believed.
+  const Balance& start = result.balances[0];
+  const Vec3d& g = problem.domain.gravity;
+  const double fall = problem.domain.length * (std::fabs(g.x) + std::fabs(g.y) + std::fabs(g.z));
+  const double slow = 1e-3 * problem.domain.dx() / result.dt;
+  const double available = start.kinetic + start.mass * (fall + 0.5 * slow * slow);
+
+  for (int frame = 1; frame < timing.frames; ++frame) {
+    const Stopwatch load_watch;
+    result.particles_outside = std::max(result.particles_outside, stepper->load(state));
+    result.seconds_frames += load_watch.seconds();
+    const long long first_step = result.steps;
+    const auto controls = [&](int step, std::vector<Control>& out) {
+      return actions.controls(static_cast<double>(first_step + step) * result.dt, result.dt, out);
+    };
+    const StepReport report = stepper->advance(timing.substeps, result.dt, controls, 2 * (available + control_work));
+    result.steps += report.steps;
+    result.max_speed = std::max(result.max_speed, report.max_speed);
+    result.particles_outside = std::max(result.particles_outside, report.particles_clamped);
+    result.sorts += report.sorts;
+    result.seconds_particles += report.seconds_particles;
+    result.seconds_grid += report.seconds_grid;
+    result.seconds_sort += report.seconds_sort;
+    control_work += report.control_work;
+    if (report.fault != StepFault::none) {
+      result.status = Status::diverged;
+      result.first_bad_step = result.steps - 1;
+      result.reason = reason_token(report.fault);
+      break;
+    }
+    const Stopwatch frame_watch;
+    stepper->store(state);
+    if (!projections.empty() || !retentions.empty()) {
+      const double before = measure_balance(problem, state).kinetic;
+      for (const CompiledProjection& p : projections) p.apply(state);
+      for (const CompiledRetention& r : retentions) r.apply(state);
+      control_work += std::max(0.0, measure_balance(problem, state).kinetic - before);
+    }
+    hand_out(frame);
+    result.seconds_frames += frame_watch.seconds();
+  }
+  if (result.steps > 0) {
+    const double blocks = std::pow((problem.domain.n + 4) / 4, 3);
+    const double share = 100 * (1 - stepper->active_grid_blocks() / blocks);
+    result.omitted.push_back({"empty grid blocks", std::to_string(static_cast<int>(std::max(0.0, share))) +
+                                                       " % of the grid held no material at the end"});
+  }
+  result.seconds_total = total.seconds();
+  const double stepping = result.seconds_particles + result.seconds_grid + result.seconds_sort;
+  if (stepping > 0) {
+    result.particle_steps_per_second = static_cast<double>(problem.particles.size()) * result.steps / stepping;
+  }
+  return result;
+}
+
+}  // namespace physmas::mpm

@@ -1,0 +1,103 @@
+// The material point solver: what tools call.
+//
+// Explicit APIC with quadratic B-splines and MLS forces (paper, "Solver-Aware Shared-Domain Simulation"): particles of
+// all rows share one grid. `run` owns the whole time loop; frames come out through a callback.
+#ifndef PHYSMAS_MPM_SIMULATION_H
+#define PHYSMAS_MPM_SIMULATION_H
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mpm/domain.h"
+#include "mpm/material.h"
+#include "mpm/schedule.h"
+#include "mpm/state.h"
+#include "mpm/stepper.h"
+
+namespace physmas::mpm {
+
+// One candidate's simulation. Units: m, s, kg, Pa of solver space.
+struct Problem {
+  Domain domain;
+  std::vector<Material> materials;  // per row; rows without particles are allowed
+  ProfileConstants constants;
+  Particles particles;
+  Schedule schedule;
+};
+
+struct Timing {
+  int frames = 50;         // output frames T, the rest frame 0 included, at least 1
+  double frame_dt = 0.04;  // s between output frames
+  int substeps = 200;      // per output frame, at least 1; dt = frame_dt / substeps
+};
+
+struct Options {
+  Precision precision = Precision::single;
+  int threads = 0;             // 0: all cores. Results do not depend on it, byte for byte
+  bool measure_energy = true;  // elastic energy and the range of det F at output frames
+};
+
+// Handed to the callback at every output frame, frame 0 first. `state` holds all particles in the callers' order, after
+// projections; it is valid during the call only.
+struct Frame {
+  int index;
+  double time;  // s
+  const State& state;
+};
+using FrameCallback = std::function<void(const Frame&)>;
+
+// Totals over all particles at an output frame.
+struct Balance {
+  int frame = 0;
+  double time = 0;                     // s
+  double mass = 0;                     // kg
+  double kinetic = 0;                  // J, particle velocities only
+  double elastic = 0;                  // J; trial energy for Sand, Snow and Plasticine; 0 when not measured
+  double gravity = 0;                  // J, relative to the origin of solver space
+  double control_work = 0;             // J put in by enforced velocities and impulses since the start (positive parts)
+  Vec3d momentum = {0, 0, 0};          // kg m/s
+  Vec3d angular_momentum = {0, 0, 0};  // kg m^2/s about the origin, the affine part of APIC included
+  double max_speed = 0;                // m/s
+  double min_J = 1, max_J = 1;         // det F; 1 when not measured
+  long long at_wall = 0;               // particles whose stencil reaches a wall node
+};
+
+struct Omission {
+  std::string what, why;
+};
+
+enum class Status { stable, diverged };
+
+struct Result {
+  Status status = Status::stable;
+  // Global substep, counted from 0, in which a fault was found; -1 when stable. A fault shows in the substep after the
+  // one that made the state bad, at the latest: every substep checks every particle.
+  long long first_bad_step = -1;
+  std::string reason;    // "", "nan" (not finite), "speed" (over a cell per substep), "energy" (more than can be there)
+  int frames_done = 0;   // output frames handed out
+  long long steps = 0;   // substeps done
+  double dt = 0;         // s
+  double max_speed = 0;  // m/s, over all substeps
+  double min_J = 1, max_J = 1;      // over output frames
+  std::vector<Balance> balances;    // one per frame handed out
+  long long particles_outside = 0;  // most particles that had to be held at the edge of the grid in one substep
+  long long particles_at_wall = 0;  // most of at_wall over output frames
+  std::vector<Omission> omitted;    // what this problem did not need
+  // Run time; never part of a result's identity.
+  int threads = 0;
+  int sorts = 0;
+  double seconds_particles = 0, seconds_grid = 0, seconds_sort = 0, seconds_frames = 0, seconds_total = 0;
+  double particle_steps_per_second = 0;
+};
+
+// Integrates the problem. A diverged run is a result; broken input (a row out of range, a position that is not finite,
+// a volume that is not positive, a parameter outside its domain) throws invalid_input (exit code 3).
+Result run(const Problem& problem, const Timing& timing, const Options& options, const FrameCallback& callback);
+
+// Totals of a state; `elastic`, `min_J` and `max_J` are left at their defaults.
+Balance measure_balance(const Problem& problem, const State& state);
+
+}  // namespace physmas::mpm
+
+#endif

@@ -1,0 +1,108 @@
+// Singular value and polar decomposition of 3×3 matrices, for numbers and for SIMD lanes, valid for every finite input.
+#ifndef PHYSMAS_MPM_SVD_H
+#define PHYSMAS_MPM_SVD_H
+
+#include "mpm/mat3.h"
+
+namespace physmas::mpm {
+
+// F = U diag(s) Vᵀ with U and V proper rotations (determinant +1), s.x >= s.y >= |s.z|, and s.z carrying the sign of
+// det F. `Vt` holds Vᵀ: its rows are the right singular vectors.
+template <class T>
+struct Svd {
+  Mat3<T> U;
+  Vec3<T> s;
+  Mat3<T> Vt;
+};
+
+namespace svd_detail {
+
+// One Jacobi rotation that makes rows p and q of B orthogonal, applied to the columns of U as well, so that U B stays
+// the same (Hestenes 1958). Returns where the rows were already orthogonal to rounding.
+template <class T>
+inline auto rotate_rows(Mat3<T>& B, Mat3<T>& Ut, int p, int q) {
+  const T a = dot(B[p], B[p]), b = dot(B[q], B[q]), c = dot(B[p], B[q]);
+  const T d = b - a, c2 = c + c;
+  const T root = square_root(d * d + c2 * c2);
+  const T t = select(d < T(0), -c2, c2) / (absolute(d) + root + T(kTiny<T>));
+  const T cosine = T(1) / square_root(T(1) + t * t), sine = cosine * t;
+  const Vec3<T> bp = B[p], bq = B[q], up = Ut[p], uq = Ut[q];
+  B[p] = cosine * bp - sine * bq;
+  B[q] = sine * bp + cosine * bq;
+  Ut[p] = cosine * up - sine * uq;
+  Ut[q] = sine * up + cosine * uq;
+  const Scalar<T> tolerance = kEpsilon<T> * kEpsilon<T>;
+  return c * c <= T(tolerance) * (a * b) + T(kTiny<T>);
+}
+
+// Exchanges rows p and q where |B_p| < |B_q|, turning one of them around so that both factors keep their handedness.
+template <class T>
+inline void order_rows(Mat3<T>& B, Mat3<T>& Ut, Vec3<T>& n, int p, int q) {
+  const auto swap = n[p] < n[q];
+  const Vec3<T> bp = B[p], up = Ut[p];
+  const T np = n[p];
+  B[p] = select(swap, B[q], bp);
+  B[q] = select(swap, -bp, B[q]);
+  Ut[p] = select(swap, Ut[q], up);
+  Ut[q] = select(swap, -up, Ut[q]);
+  n[p] = select(swap, n[q], np);
+  n[q] = select(swap, np, n[q]);
+}
+
+}  // namespace svd_detail
+
+// One-sided Jacobi on the rows of F, cyclic, until all pairs are orthogonal to rounding (quadratic convergence: three
+// to five sweeps). Small singular values keep their relative accuracy, unlike with eigenvalues of F Fᵀ. F is scaled by
+// its largest entry first, so tiny and huge matrices are fine; the zero matrix gives s = 0 and identity rotations.
+template <class T>
+inline Svd<T> svd(const Mat3<T>& F) {
+  using svd_detail::order_rows;
+  using svd_detail::rotate_rows;
+  const T largest = largest_entry(F);
+  const T scale = select(largest > T(kTiny<T>), largest, T(1));
+  Mat3<T> B = (T(1) / scale) * F;
+  Mat3<T> Ut = identity<T>();
+  constexpr int kMaxSweeps = 12;
+  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+    const auto done01 = rotate_rows(B, Ut, 0, 1);
+    const auto done02 = rotate_rows(B, Ut, 0, 2);
+    const auto done12 = rotate_rows(B, Ut, 1, 2);
+    if (all(done01 && done02 && done12)) break;
+  }
+  Vec3<T> n = {dot(B[0], B[0]), dot(B[1], B[1]), dot(B[2], B[2])};
+  order_rows(B, Ut, n, 0, 1);
+  order_rows(B, Ut, n, 0, 2);
+  order_rows(B, Ut, n, 1, 2);
+
+  Svd<T> result;
+  result.U = transpose(Ut);
+  // Right singular vectors: the first from B, the second made orthogonal to it (any direction will do when F has rank
+  // one), the third from the cross product, which makes V a proper rotation and gives s.z its sign.
+  const T s0 = square_root(n.x);
+  const auto zero = n.x < T(kTiny<T>);
+  const T one(1), none(0);
+  const Vec3<T> v0 = select(zero, Vec3<T>{one, none, none}, (T(1) / at_least(s0, T(kTiny<T>))) * B[0]);
+  const Vec3<T> second = B[1] - dot(B[1], v0) * v0;
+  const T length = norm(second);
+  const auto flat = n.y < T(kTiny<T>);
+  // A direction away from v0: the axis on which v0 is shortest.
+  const auto x_small = absolute(v0.x) < T(Scalar<T>(0.57));
+  const Vec3<T> axis = select(x_small, Vec3<T>{one, none, none}, Vec3<T>{none, one, none});
+  const Vec3<T> side = axis - dot(axis, v0) * v0;
+  const Vec3<T> v1 = select(flat, (T(1) / norm(side)) * side, (T(1) / at_least(length, T(kTiny<T>))) * second);
+  const Vec3<T> v2 = cross(v0, v1);
+  result.Vt = {{v0, v1, v2}};
+  result.s = {scale * s0, scale * select(flat, none, length), scale * dot(B[2], v2)};
+  return result;
+}
+
+// The rotation R of F = R S with det R = +1 for every F: the closest proper rotation in the Frobenius norm.
+template <class T>
+inline Mat3<T> polar_rotation(const Mat3<T>& F) {
+  const Svd<T> d = svd(F);
+  return d.U * d.Vt;
+}
+
+}  // namespace physmas::mpm
+
+#endif
