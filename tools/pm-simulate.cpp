@@ -239,7 +239,7 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
       for (int k = 0; k < 3; ++k) {
         position[3 * i + k] = static_cast<float>(frame.state.x[i][k]);
         velocity[3 * i + k] = static_cast<float>(frame.state.v[i][k]);
-        for (int l = 0; l < 3; ++l) F[9 * i + 3 * k + l] = static_cast<float>(frame.state.F[i](k, l));
+        for (int l = 0; l < 3; ++l) F[9 * i + 3 * k + l] = static_cast<float>(frame.state.F[i][k][l]);
       }
     }
     rollout.append(frame.time, position.data(), F.data(), velocity.data());
