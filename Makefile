@@ -41,6 +41,7 @@ LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/h
 LIB_SOURCES := $(wildcard lib/*/*.cpp)
 TOOL_SOURCES := $(wildcard tools/*.cpp)
 UNIT_SOURCES := $(wildcard tests/unit/*.cpp)
+TEST_TOOL_SOURCES := $(wildcard tests/tools/*.cpp)
 BENCH_SOURCES := $(wildcard tests/bench/*.cpp)
 SCHEMAS := $(wildcard schemas/*.json)
 TOOLS := $(TOOL_SOURCES:tools/%.cpp=%)
@@ -86,12 +87,19 @@ $(BUILD)/test/unit: $(call objects,$(UNIT_SOURCES)) $(LIBRARY)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
 
+# Programs that write fixtures for the command-line tests: tests/tools/NAME.cpp -> build/test/NAME.
+TEST_TOOLS := $(TEST_TOOL_SOURCES:tests/tools/%.cpp=$(BUILD)/test/%)
+$(TEST_TOOLS): $(BUILD)/test/%: $(BUILD)/obj/tests/tools/%.o $(LIBRARY)
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
+
 V ?= 0
 Q := $(if $(filter 0,$(V)),@)
 say = $(if $(filter 0,$(V)),@printf '  %-5s %s\n' '$(1)' '$(2)')
 
 .PRECIOUS: $(BUILD)/obj/%.o
--include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(BENCH_SOURCES)))
+-include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(TEST_TOOL_SOURCES) $(BENCH_SOURCES)))
 
 # Packages of a bare Debian 12 that the project needs: one list for people, make and CI.
 PACKAGES := g++ make pkg-config libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgproc-dev \
