@@ -33,15 +33,16 @@ CPPFLAGS := -Ilib -I$(BUILD)/gen -isystem /usr/include/hdf5/serial -isystem /usr
             -isystem /usr/include/eigen3 -DPHYSMAS_VERSION='"$(VERSION)"'
 CXXFLAGS := -std=c++17 -march=$(ARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fno-trapping-math \
             -Wall -Wextra -Wno-unknown-pragmas -Wno-maybe-uninitialized $(if $(WERROR),-Werror) $(EXTRA_CXXFLAGS)
+, := ,
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
           -lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
           -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lfmt
-, := ,
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp)
 TOOL_SOURCES := $(wildcard tools/*.cpp)
 UNIT_SOURCES := $(wildcard tests/unit/*.cpp)
+TEST_TOOL_SOURCES := $(wildcard tests/tools/*.cpp)
 BENCH_SOURCES := $(wildcard tests/bench/*.cpp)
 SCHEMAS := $(wildcard schemas/*.json)
 TOOLS := $(TOOL_SOURCES:tools/%.cpp=%)
@@ -89,6 +90,7 @@ $(BUILD)/test/unit: $(call objects,$(UNIT_SOURCES)) $(LIBRARY)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
 
+# Programs that write fixtures for the command-line tests: tests/tools/NAME.cpp -> build/test/NAME.
 $(TEST_TOOLS): $(BUILD)/test/%: $(BUILD)/obj/tests/tools/%.o $(LIBRARY)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
@@ -101,7 +103,7 @@ say = $(if $(filter 0,$(V)),@printf '  %-5s %s\n' '$(1)' '$(2)')
 .PRECIOUS: $(BUILD)/obj/%.o
 # A run reads this file several times (pipelines/physmas.mk); header dependencies matter the first time only.
 ifeq ($(MAKE_RESTARTS),)
--include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(BENCH_SOURCES)))
+-include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(TEST_TOOL_SOURCES) $(BENCH_SOURCES)))
 endif
 
 # --- What a bare Debian 12 lacks: one list for people, make and CI ------------------------------------------------

@@ -57,11 +57,13 @@ EvidenceRow row_from(const Json& json, const std::string& file, const std::strin
   row.E_records = E.at("records").get<int>();
   row.E_mean = E.value("mean", row.log10_E);
   row.E_spread = E.value("spread", 0.0);
+  row.E_uncertainty = E.value("uncertainty", 0.0);
   const Json& nu = json.at("nu");
   row.nu = nu.at("value").get<double>();
   row.nu_dispersion = nu.at("dispersion").get<double>();
   row.nu_records = nu.at("records").get<int>();
   row.nu_mean = nu.value("mean", row.nu);
+  row.nu_uncertainty = nu.value("uncertainty", 0.0);
   row.entropy = json.value("entropy", 0.0);
   row.mask_confidence = json.at("mask_confidence").get<double>();
   row.part_confidence = json.at("part_confidence").get<double>();
@@ -99,13 +101,13 @@ Json row_json(const EvidenceRow& row) {
   json["confidence"] = row.confidence;
   // Rounding may lift a sum of probabilities a hair above one.
   for (int b = 0; b < kBranchCount; ++b) json["profiles"][kBranchNames[b]] = std::min(1.0, profiles[b]);
-  json["E"] = {{"log10", row.log10_E},
-               {"dispersion", row.E_dispersion},
-               {"records", row.E_records},
-               {"mean", row.E_mean},
-               {"spread", row.E_spread}};
-  json["nu"] = {
-      {"value", row.nu}, {"dispersion", row.nu_dispersion}, {"records", row.nu_records}, {"mean", row.nu_mean}};
+  json["E"] = {{"log10", row.log10_E}, {"dispersion", row.E_dispersion}, {"records", row.E_records},
+               {"mean", row.E_mean},   {"spread", row.E_spread},         {"uncertainty", row.E_uncertainty}};
+  json["nu"] = {{"value", row.nu},
+                {"dispersion", row.nu_dispersion},
+                {"records", row.nu_records},
+                {"mean", row.nu_mean},
+                {"uncertainty", row.nu_uncertainty}};
   json["entropy"] = row.entropy;
   json["mask_confidence"] = row.mask_confidence;
   json["part_confidence"] = row.part_confidence;

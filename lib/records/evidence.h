@@ -35,9 +35,11 @@ struct EvidenceRow {
   double confidence = 0;                 // P_r(m_r)
   double log10_E = 0, E_dispersion = 0;  // e_post, sigma^e
   double E_mean = 0, E_spread = 0;       // e-bar, s^e
+  double E_uncertainty = 0;              // a-bar
   int E_records = 0;
   double nu = 0, nu_dispersion = 0;  // nu_post, sigma^nu
   double nu_mean = 0;
+  double nu_uncertainty = 0;  // sigma-bar^nu
   int nu_records = 0;
   double entropy = 0;          // H_r
   double mask_confidence = 0;  // gamma^mask, 0: unavailable

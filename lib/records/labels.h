@@ -2,6 +2,7 @@
 #ifndef PHYSMAS_RECORDS_LABELS_H
 #define PHYSMAS_RECORDS_LABELS_H
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -23,6 +24,9 @@ struct LabelPrior {
   double rho;
   double E_default() const;  // geometric midpoint of the range
   double nu_default() const { return 0.5 * (nu_lo + nu_hi); }
+  // The label's domain clamps (paper, clip^E_m and clip^nu_m).
+  double clip_E(double E) const { return std::min(std::max(E, E_lo), E_hi); }
+  double clip_nu(double nu) const { return std::min(std::max(nu, nu_lo), nu_hi); }
 };
 
 constexpr int kLabelCount = 14;
@@ -42,6 +46,29 @@ inline constexpr std::array<LabelPrior, kLabelCount> kLabels = {{
     {"Plasticine", Branch::plasticine, 1e3, 1e7, 0.25, 0.49, 2000},
     {"Foam", Branch::foam, 1e3, 1e7, 0.10, 0.45, 100},
 }};
+
+// Indices into kLabels.
+enum VisualLabel : int {
+  kWood = 0,
+  kMetal,
+  kPlastic,
+  kGlass,
+  kFabric,
+  kLeather,
+  kCeramic,
+  kStone,
+  kRubber,
+  kPaper,
+  kSand,
+  kSnow,
+  kPlasticine,
+  kFoam
+};
+
+// Wood, Metal, Glass, Ceramic and Stone: the labels that the support predicates count as rigid (not Plastic).
+constexpr bool is_rigid_label(int label) {
+  return label == kWood || label == kMetal || label == kGlass || label == kCeramic || label == kStone;
+}
 
 // Index into kLabels, ignoring case; empty when the name is not one of the fourteen.
 std::optional<int> find_label(const std::string& name);

@@ -25,6 +25,11 @@ struct Provenance {
   std::string sha256_of(const std::string& path) const;
 };
 
+// Whether `record_path` was made from the bytes that `input_path` holds now, by the SHA-256 hashes in its provenance.
+// Throws an Error (exit code 3) that names both hashes when the record lists a file of that name with another hash,
+// and, if `must_list`, when it lists no such input at all (authored records have no provenance).
+void require_made_from(const std::string& record_path, const std::string& input_path, bool must_list);
+
 // What a scene did not need, and why: an entry of an artifact's `omitted` list.
 struct Omission {
   std::string what;
