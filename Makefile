@@ -44,6 +44,8 @@ UNIT_SOURCES := $(wildcard tests/unit/*.cpp)
 BENCH_SOURCES := $(wildcard tests/bench/*.cpp)
 SCHEMAS := $(wildcard schemas/*.json)
 TOOLS := $(TOOL_SOURCES:tools/%.cpp=%)
+TEST_TOOL_SOURCES := $(wildcard tests/tools/*.cpp)
+TEST_TOOLS := $(TEST_TOOL_SOURCES:tests/tools/%.cpp=$(BUILD)/test/%)
 BIN := $(BUILD)/bin
 
 objects = $(patsubst %.cpp,$(BUILD)/obj/%.o,$(1))
@@ -53,7 +55,7 @@ LIBRARY := $(BUILD)/libphysmas.a
 .PHONY: all
 all: $(TOOLS:%=$(BIN)/%) ## Build the tools into build/bin (make -j2)
 
-$(BUILD)/obj/%.o: %.cpp | deps-present
+$(BUILD)/obj/%.o: %.cpp | build/.packages
 	@mkdir -p $(@D)
 	$(call say,CXX,$<)
 	$(Q)$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
@@ -86,17 +88,121 @@ $(BUILD)/test/unit: $(call objects,$(UNIT_SOURCES)) $(LIBRARY)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
 
+$(TEST_TOOLS): $(BUILD)/test/%: $(BUILD)/obj/tests/tools/%.o $(LIBRARY)
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
+
 V ?= 0
 Q := $(if $(filter 0,$(V)),@)
 say = $(if $(filter 0,$(V)),@printf '  %-5s %s\n' '$(1)' '$(2)')
 
 .PRECIOUS: $(BUILD)/obj/%.o
+# A run reads this file several times (pipelines/physmas.mk); header dependencies matter the first time only.
+ifeq ($(MAKE_RESTARTS),)
 -include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(BENCH_SOURCES)))
+endif
 
-# Packages of a bare Debian 12 that the project needs: one list for people, make and CI.
+# --- What a bare Debian 12 lacks: one list for people, make and CI ------------------------------------------------
+
 PACKAGES := g++ make pkg-config libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgproc-dev \
             libopencv-imgcodecs-dev libopencv-videoio-dev nlohmann-json3-dev libvalijson-dev \
             libcurl4-openssl-dev libssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats gnuplot-nox
 
-.PHONY: deps-present
-deps-present:
+# What dpkg does not report as installed. Empty where there is no dpkg: the compiler will tell.
+find_missing = if command -v dpkg-query >/dev/null; then for p in $(PACKAGES); do \
+    dpkg-query -W -f '$${Status}' $$p 2>/dev/null | grep -q ' installed' || printf '%s ' $$p; done; fi
+
+install_missing = lacking=$$($(find_missing)); \
+  if [ -n "$$lacking" ]; then \
+    if [ "$$(id -u)" -eq 0 ]; then as=; \
+    elif command -v sudo >/dev/null && sudo -n true 2>/dev/null; then as=sudo; \
+    else echo "Missing packages, and neither root nor password-less sudo to install them. Run:" >&2; \
+         echo "  sudo apt-get update && sudo apt-get install -y --no-install-recommends $$lacking" >&2; exit 1; fi; \
+    echo "Installing $$lacking"; \
+    $$as apt-get update -qq && \
+    DEBIAN_FRONTEND=noninteractive $$as apt-get install -y -qq --no-install-recommends $$lacking; \
+  fi
+
+.PHONY: deps
+deps: ## Install missing packages through apt-get (as root or with sudo)
+	@$(install_missing)
+	@mkdir -p build && touch build/.packages && echo "All packages are installed."
+
+# Checked once before the first compilation, so that a missing header is explained. `make demo` installs by itself.
+build/.packages: Makefile
+ifneq ($(filter demo,$(MAKECMDGOALS)),)
+	@$(install_missing)
+else
+	@lacking=$$($(find_missing)); if [ -n "$$lacking" ]; then \
+	  echo "Missing packages: $$lacking" >&2; echo "Run: make deps" >&2; exit 1; fi
+endif
+	@mkdir -p $(@D) && touch $@
+
+# --- Runs ---------------------------------------------------------------------------------------------------------
+
+EXAMPLE ?=
+GAUSSIANS ?=
+PROMPT ?=
+UP ?=
+SCENE ?=
+
+ifneq ($(filter demo,$(MAKECMDGOALS)),)
+  RUN ?= runs/demo
+  EXAMPLE := $(or $(EXAMPLE),cake)
+endif
+ifneq ($(filter run,$(MAKECMDGOALS)),)
+  # An import without a prompt is a mistake that is better told here than by a tool.
+  ifneq ($(GAUSSIANS),)
+    ifeq ($(strip $(value PROMPT)),)
+      $(error make run GAUSSIANS=... also needs PROMPT="what should happen")
+    endif
+  endif
+  RUN ?= runs/$(firstword $(EXAMPLE) $(subst .compressed,,$(basename $(notdir $(or $(GAUSSIANS),$(patsubst %/scene.json,%,$(SCENE)))))) run)
+  ifeq ($(EXAMPLE)$(GAUSSIANS)$(SCENE),)
+    ifeq ($(wildcard $(RUN)/bundle/scene.json),)
+      $(error make run needs GAUSSIANS=file.ply PROMPT="...", EXAMPLE=name, SCENE=scene.json, or the RUN= of an earlier run)
+    endif
+    SCENE := $(RUN)/bundle/scene.json
+  endif
+endif
+ifneq ($(filter demo run,$(MAKECMDGOALS)),)
+  include pipelines/physmas.mk
+endif
+
+.PHONY: demo run
+demo: run-finished ## Install, build, run the example EXAMPLE=cake end to end, say where the video is
+run: run-finished ## Run your own file: GAUSSIANS=scene.ply PROMPT="..." [UP=z] [RUN=runs/name] [SET="key=value ..."]
+
+# --- Tests --------------------------------------------------------------------------------------------------------
+
+.PHONY: test test-unit test-cli
+test: test-unit test-cli ## Run every test (SAN=1 for sanitizers)
+
+test-unit: $(BUILD)/test/unit ## The C++ tests
+	@$(BUILD)/test/unit
+
+# bats prints TAP; the closing line sums it up.
+test-cli: all $(TEST_TOOLS) ## The command-line tests
+	@log=$$(mktemp); PM_BIN=$(abspath $(BIN)) PM_TEST_TOOLS=$(abspath $(BUILD)/test) bats --tap $(sort $(wildcard tests/cli/*.bats)) | tee $$log; \
+	status=$${PIPESTATUS[0]}; passed=$$(grep -c '^ok' $$log); skipped=$$(grep -c '^ok.* # skip' $$log); failed=$$(grep -c '^not ok' $$log); \
+	rm -f $$log; echo "$$((passed - skipped)) passed, $$failed failed, $$skipped skipped"; exit $$status
+
+# --- Housekeeping -------------------------------------------------------------------------------------------------
+
+PREFIX ?= /usr/local
+.PHONY: install clean format help
+install: all ## Install the tools into PREFIX/bin
+	install -d $(DESTDIR)$(PREFIX)/bin
+	install $(TOOLS:%=$(BIN)/%) $(DESTDIR)$(PREFIX)/bin
+
+clean: ## Remove build/ (runs/ stays)
+	rm -rf build
+
+format: ## Format the sources with clang-format
+	clang-format -i lib/*/*.h lib/*/*.cpp tools/*.cpp $(wildcard tests/*/*.cpp)
+
+help: ## List the targets
+	@echo 'Usage: make [target] [NAME=value ...]'
+	@grep -hE '^[a-z-]+:.*##' Makefile | awk -F ':.*## ' '{ printf "  %-10s %s\n", $$1, $$2 }'
+	@echo 'Variables: CXX, ARCH=native, SAN=1 (sanitizers), BUILD=build, V=1 (print commands), PREFIX, THREADS'

@@ -1,0 +1,247 @@
+# The DAG of one run (paper, Algorithm 1). Included by the Makefile for the goals `run` and `demo`.
+#
+# RUN      the run's folder
+# Where the scene comes from, one of:
+#   EXAMPLE    name of a description in examples/           -> pm-scene synth
+#   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, INVENTORY, MASKS, VIEWS and CAMERAS, SPEC, DROP -> pm-scene import
+#   SCENE      a scene.json                                 -> used where it lies
+# SET      run settings that win over the scene's: SET="screening.tau=0.6 time.frames=20"
+# THREADS  threads per tool; by default the cores are divided by make's -j
+#
+# Two conventions carry the incremental behaviour:
+#
+# 1. A stage's rule makes a stamp in RUN/.stamps; its artifacts hang on the stamp by an empty recipe. Tools leave an
+#    unchanged artifact its timestamp, so a stage that reran without effect stops there. A missing artifact makes its
+#    stage run again (see `missing`).
+#
+# 2. Which candidates a round has, and whether there is another round, is known only after a stage has run. Those
+#    facts are makefiles that the tools write (candidates/roundN.mk, screen/roundN.mk). GNU Make brings them up to date
+#    and reads itself again, one fact at a time: the number of restarts says which of them can be trusted. It is one
+#    graph; no make calls another.
+
+STAMPS := $(RUN)/.stamps
+BUNDLE := $(if $(SCENE),$(patsubst %/,%,$(dir $(SCENE))),$(RUN)/bundle)
+SCENE_FILE := $(if $(SCENE),$(SCENE),$(BUNDLE)/scene.json)
+PHASE := $(if $(MAKE_RESTARTS),$(MAKE_RESTARTS),0)
+
+CORES := $(shell nproc)
+jobs = $(or $(patsubst -j%,%,$(filter -j%,$(MAKEFLAGS))),1)
+tool_threads = --threads $(or $(THREADS),$$(( $(CORES) / $(jobs) > 0 ? $(CORES) / $(jobs) : 1 )))
+
+# $(call missing,FILES): FORCE when one of the files is not there.
+missing = $(if $(filter-out $(wildcard $(1)),$(1)),FORCE)
+# $(call stage,NAME,WHAT): announce a stage, and note that this run did something.
+stage = @mkdir -p $(STAMPS) && touch $(STAMPS)/work && printf '  %-10s %s\n' '$(1)' '$(2)'
+finish = @touch $@
+
+.PHONY: FORCE
+FORCE:
+
+# --- What was asked for: rewritten only when it changes -----------------------------------------------------------
+
+define newline
+
+
+endef
+REQUEST := $(foreach v,EXAMPLE GAUSSIANS PROMPT UP INVENTORY MASKS VIEWS CAMERAS SPEC DROP,$(v)=$(value $(v))$(newline))
+SETTINGS := $(value SET)
+# Through the environment, so that quotes and dollar signs in a prompt reach the tool as they were typed.
+export PM_PROMPT := $(value PROMPT)
+ifeq ($(PHASE),0)
+  ifneq ($(shell mkdir -p $(RUN) $(STAMPS) && echo made),made)
+    $(error $(RUN) cannot be made: is its folder writable?)
+  endif
+  ifneq (x$(strip $(file <$(RUN)/request)),$(if $(wildcard $(RUN)/request),x)$(strip $(REQUEST)))
+    $(file >$(RUN)/request,$(REQUEST))
+  endif
+  ifneq (x$(strip $(file <$(RUN)/settings)),$(if $(wildcard $(RUN)/settings),x)$(strip $(SETTINGS)))
+    $(file >$(RUN)/settings,$(SETTINGS))
+  endif
+endif
+$(RUN)/request $(RUN)/settings: ;
+
+# --- The bundle ---------------------------------------------------------------------------------------------------
+
+ifeq ($(SCENE),)
+BUNDLE_FILES := $(sort $(BUNDLE)/scene.json $(wildcard $(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.*))
+
+ifneq ($(EXAMPLE),)
+$(STAMPS)/bundle: examples/$(EXAMPLE).json $(RUN)/request $(call missing,$(BUNDLE)/scene.json) | $(BIN)/pm-scene
+	$(call stage,synth,$(BUNDLE))
+	@$(BIN)/pm-scene synth $< --out $(BUNDLE) $(tool_threads)
+	$(finish)
+else
+$(STAMPS)/bundle: $(GAUSSIANS) $(INVENTORY) $(SPEC) $(CAMERAS) $(wildcard $(addsuffix /*,$(MASKS) $(VIEWS))) $(RUN)/request \
+                  $(call missing,$(BUNDLE)/scene.json) | $(BIN)/pm-scene
+	$(call stage,import,$(BUNDLE))
+	@$(BIN)/pm-scene import "$(GAUSSIANS)" --prompt "$$PM_PROMPT" --out $(BUNDLE) \
+	  $(if $(UP),--up=$(UP)) $(if $(INVENTORY),--inventory $(INVENTORY)) $(if $(MASKS),--masks $(MASKS)) \
+	  $(if $(VIEWS),--views $(VIEWS)) $(if $(CAMERAS),--cameras $(CAMERAS)) $(if $(SPEC),--run $(SPEC)) \
+	  $(if $(DROP),--drop $(DROP)) $(tool_threads)
+	$(finish)
+endif
+$(BUNDLE_FILES): $(STAMPS)/bundle ;
+else
+BUNDLE_FILES := $(sort $(SCENE) $(wildcard $(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.*))
+endif
+
+# --- The run specification, one slice per stage -------------------------------------------------------------------
+
+SLICES := $(foreach s,ground lift material candidates simulate render screen,$(RUN)/spec/$(s).json)
+$(STAMPS)/spec: $(BUNDLE_FILES) $(RUN)/settings $(call missing,$(SLICES)) | $(BIN)/pm-scene
+	$(call stage,spec,$(RUN)/spec)
+	@$(BIN)/pm-scene slice --scene $(SCENE_FILE) --out $(RUN)/spec $(foreach s,$(SET),--set '$(s)')
+	$(finish)
+$(SLICES): $(STAMPS)/spec ;
+
+# --- Scene agent, lifting, material agent -------------------------------------------------------------------------
+
+GROUNDED := $(RUN)/inventory.json $(RUN)/plan.json $(RUN)/masks.h5
+$(STAMPS)/ground: $(RUN)/spec/ground.json $(call missing,$(GROUNDED)) | $(BIN)/pm-ground
+	$(call stage,ground,$(RUN)/inventory.json)
+	@$(BIN)/pm-ground --scene $< --out $(RUN) $(tool_threads)
+	$(finish)
+$(GROUNDED): $(STAMPS)/ground ;
+
+$(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(call missing,$(RUN)/state.h5) | $(BIN)/pm-lift
+	$(call stage,lift,$(RUN)/state.h5)
+	@$(BIN)/pm-lift --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --out $(RUN)/state.h5 $(tool_threads)
+	$(finish)
+$(RUN)/state.h5: $(STAMPS)/lift ;
+
+$(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks.h5 $(RUN)/state.h5 \
+                    $(call missing,$(RUN)/evidence.json) | $(BIN)/pm-material
+	$(call stage,material,$(RUN)/evidence.json)
+	@$(BIN)/pm-material --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --state $(RUN)/state.h5 \
+	  --out $(RUN)/evidence.json $(tool_threads)
+	$(finish)
+$(RUN)/evidence.json: $(STAMPS)/material ;
+
+# --- Candidates of a round, and what is done with each ------------------------------------------------------------
+
+# $(call candidates_rules,N): the candidates of round N; from round 1 on they are repairs that the screen asked for.
+define candidates_rules
+$(STAMPS)/candidates$(1): $(RUN)/spec/candidates.json $(RUN)/inventory.json $(RUN)/plan.json $(RUN)/evidence.json \
+    $(RUN)/state.h5 $(if $(2),$(RUN)/screen/round$(2).json) \
+    $(call missing,$(RUN)/candidates/round$(1).json $(RUN)/candidates/round$(1).mk $(PM_ROUND$(1):%=$(RUN)/candidates/%.json)) \
+    | $(BIN)/pm-candidates
+	$$(call stage,candidates,$(RUN)/candidates/round$(1).json)
+	@$(BIN)/pm-candidates --scene $$< --inventory $(RUN)/inventory.json --plan $(RUN)/plan.json \
+	  --evidence $(RUN)/evidence.json --state $(RUN)/state.h5 --out $(RUN)/candidates \
+	  $(if $(2),--repair $(RUN)/screen/round$(2).json) $$(tool_threads)
+	$$(finish)
+$(RUN)/candidates/round$(1).json $(RUN)/candidates/round$(1).mk $(PM_ROUND$(1):%=$(RUN)/candidates/%.json): \
+    $(STAMPS)/candidates$(1) ;
+endef
+
+# $(call candidate_rules,ID): simulation and rendering of one candidate.
+define candidate_rules
+$(STAMPS)/simulate-$(1): $(RUN)/spec/simulate.json $(RUN)/state.h5 $(RUN)/candidates/$(1).json \
+    $(call missing,$(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json) | $(BIN)/pm-simulate
+	$$(call stage,simulate,$(RUN)/rollouts/$(1).h5)
+	@$(BIN)/pm-simulate --scene $$< --state $(RUN)/state.h5 --candidate $(RUN)/candidates/$(1).json \
+	  --out $(RUN)/rollouts/$(1).h5 $$(tool_threads)
+	$$(finish)
+$(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json: $(STAMPS)/simulate-$(1) ;
+$(STAMPS)/render-$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json \
+    $(call missing,$(RUN)/videos/$(1).json) | $(BIN)/pm-render
+	$$(call stage,render,$(RUN)/videos/$(1).mp4)
+	@$(BIN)/pm-render --scene $$< --state $(RUN)/state.h5 --rollout $(RUN)/rollouts/$(1).h5 \
+	  --out $(RUN)/videos/$(1).mp4 $$(tool_threads)
+	$$(finish)
+$(RUN)/videos/$(1).json: $(STAMPS)/render-$(1) ;
+endef
+
+# $(call screen_rules,N,IDS,ROUNDS): screen everything that was executed in ROUNDS, 0..N. Exit code 6, "no admissible
+# candidate", is a verdict that the record holds; the goal `run` reports it.
+define screen_rules
+$(STAMPS)/screen$(1): $(RUN)/spec/screen.json $(RUN)/plan.json $(RUN)/evidence.json $(RUN)/inventory.json \
+    $(3:%=$(RUN)/candidates/round%.json) $(2:%=$(RUN)/candidates/%.json) $(2:%=$(RUN)/rollouts/%.json) $(2:%=$(RUN)/videos/%.json) \
+    $(call missing,$(RUN)/screen/round$(1).json $(RUN)/screen/round$(1).mk) | $(BIN)/pm-screen
+	$$(call stage,screen,$(RUN)/screen/round$(1).json)
+	@$(BIN)/pm-screen --scene $$< --plan $(RUN)/plan.json --evidence $(RUN)/evidence.json \
+	  --inventory $(RUN)/inventory.json --candidates $(RUN)/candidates --rollouts $(RUN)/rollouts \
+	  --videos $(RUN)/videos --round $(1) --out $(RUN)/screen/round$(1).json \
+	  --accepted $(RUN)/accepted.json --final $(RUN)/final.mp4 --quiet $$(tool_threads) || [ $$$$? -eq 6 ]
+	$$(finish)
+$(RUN)/screen/round$(1).json $(RUN)/screen/round$(1).mk: $(STAMPS)/screen$(1) ;
+endef
+
+# --- Rounds -------------------------------------------------------------------------------------------------------
+
+# A phase file is always remade, so that make reads itself again once what it hangs on is up to date.
+$(STAMPS)/phase%.mk: FORCE
+	@touch $@
+
+# $(call trusted,K): not empty when the facts of phases below K are up to date in this invocation.
+trusted = $(filter $(1),$(wordlist 1,$(words x $(wordlist 1,$(PHASE),1 2 3 4 5 6)),0 1 2 3 4 5 6))
+
+LAST_ROUND := 0
+-include $(if $(call trusted,1),$(RUN)/candidates/round0.mk)
+IDS := $(PM_ROUND0)
+$(eval $(call candidates_rules,0,))
+$(foreach id,$(PM_ROUND0),$(eval $(call candidate_rules,$(id))))
+$(eval $(call screen_rules,0,$(IDS),0))
+NEXT := 1
+PHASE_NEEDS := $(RUN)/candidates/round0.mk
+
+ifneq ($(call trusted,1),)
+  NEXT := 2
+  PHASE_NEEDS := $(RUN)/screen/round0.mk
+endif
+ifneq ($(call trusted,2),)
+  include $(RUN)/screen/round0.mk
+  NEXT :=
+  ifeq ($(PM_DECISION0),repair)
+    LAST_ROUND := 1
+    -include $(if $(call trusted,3),$(RUN)/candidates/round1.mk)
+    IDS := $(PM_ROUND0) $(PM_ROUND1)
+    $(eval $(call candidates_rules,1,0))
+    $(foreach id,$(PM_ROUND1),$(eval $(call candidate_rules,$(id))))
+    $(eval $(call screen_rules,1,$(IDS),0 1))
+    NEXT := $(if $(call trusted,4),,$(if $(call trusted,3),4,3))
+    PHASE_NEEDS := $(if $(call trusted,3),$(RUN)/screen/round1.mk,$(RUN)/candidates/round1.mk)
+  endif
+endif
+ifneq ($(call trusted,4),)
+  include $(RUN)/screen/round1.mk
+  ifeq ($(PM_DECISION1),repair)
+    LAST_ROUND := 2
+    -include $(if $(call trusted,5),$(RUN)/candidates/round2.mk)
+    IDS := $(PM_ROUND0) $(PM_ROUND1) $(PM_ROUND2)
+    $(eval $(call candidates_rules,2,1))
+    $(foreach id,$(PM_ROUND2),$(eval $(call candidate_rules,$(id))))
+    $(eval $(call screen_rules,2,$(IDS),0 1 2))
+    NEXT := $(if $(call trusted,6),,$(if $(call trusted,5),6,5))
+    PHASE_NEEDS := $(if $(call trusted,5),$(RUN)/screen/round2.mk,$(RUN)/candidates/round2.mk)
+  endif
+endif
+ifneq ($(call trusted,6),)
+  include $(RUN)/screen/round2.mk
+endif
+
+# `make -n` must not run anything, so it sees the graph only as far as it is known.
+ifneq ($(findstring n,$(filter-out -%,$(firstword $(MAKEFLAGS)))),)
+  NEXT :=
+endif
+ifneq ($(NEXT),)
+  # All tools are built before the first restart: later readings skip the header dependencies.
+  $(STAMPS)/phase$(NEXT).mk: $(PHASE_NEEDS) | $(TOOLS:%=$(BIN)/%)
+  include $(STAMPS)/phase$(NEXT).mk
+endif
+
+# --- The end of a run ---------------------------------------------------------------------------------------------
+
+ACCEPTED := $(filter accept,$(PM_DECISION$(LAST_ROUND)))
+
+.PHONY: run-finished
+run-finished: $(RUN)/screen/round$(LAST_ROUND).json
+ifneq ($(ACCEPTED),)
+	@if [ -e $(STAMPS)/work ]; then echo "Accepted."; else echo "Nothing to do: $(RUN) is up to date."; fi
+	@printf '  video   %s\n  audit   %s\n  screen  %s\n' $(RUN)/final.mp4 $(RUN)/accepted.json $(RUN)/screen/round$(LAST_ROUND).json
+	@rm -f $(STAMPS)/work
+else
+	@rm -f $(STAMPS)/work
+	@$(BIN)/pm-screen --explain --out $(RUN)/screen/round$(LAST_ROUND).json
+	@echo "No candidate was admitted: see $(RUN)/screen/round$(LAST_ROUND).json" >&2; exit 6
+endif
