@@ -1,0 +1,15 @@
+// What a file of Gaussians or a scene holds, for people.
+#ifndef PHYSMAS_SCENE_REPORT_H
+#define PHYSMAS_SCENE_REPORT_H
+
+#include <string>
+
+namespace physmas {
+
+// Prints counts, bounds, degree, opacities and scales to stdout; for scene.json its parts first. Throws what the
+// readers throw.
+void print_report(const std::string& path);
+
+}  // namespace physmas
+
+#endif

@@ -1,0 +1,243 @@
+#include "splat/import_bundle.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/log.h"
+#include "records/inventory.h"
+#include "scene/gaussian_files.h"
+#include "scene/placement.h"
+#include "scene/scene.h"
+#include "scene/view_rig.h"
+#include "splat/image_io.h"
+#include "splat/views.h"
+
+namespace fs = std::filesystem;
+
+namespace physmas::splat {
+namespace {
+
+constexpr double kFloorFriction = 0.45;
+constexpr double kFloorRoom = 2;  // cells between the lower wall and the floor that we add
+constexpr ViewDirection kOutputDirection = {25, 15};
+constexpr double kOutputFov = 40, kOutputMargin = 0.12;
+
+// "My Guitar.compressed.ply" -> "my-guitar".
+std::string name_from(const std::string& path) {
+  std::string name;
+  for (const char c : fs::path(path).filename().string()) {
+    if (c == '.') break;
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) && static_cast<unsigned char>(c) < 128;
+    if (plain) name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (!plain && !name.empty() && name.back() != '-') name += '-';
+  }
+  name = name.substr(0, 64);
+  while (!name.empty() && name.back() == '-') name.pop_back();
+  return name.empty() ? "scene" : name;
+}
+
+// A file that goes into the bundle as it is.
+struct CopiedFile {
+  std::string to;
+  std::string bytes;
+};
+
+struct UserViews {
+  std::vector<SceneView> views;
+  std::vector<CopiedFile> files;
+};
+
+UserViews read_user_views(const ImportOptions& options) {
+  const Json list = parse_json(read_file(options.cameras), options.cameras);
+  if (!list.is_array())
+    throw invalid_input({options.cameras, "/", "JSON that is not a list", "a list of four {name, image, camera}"});
+  if (list.size() != 4)
+    throw invalid_input(
+        {options.cameras, "/", fmt::format("{} views", list.size()), "exactly four {name, image, camera}"});
+  // The list is what scene.json has as `views`, so its schema judges it.
+  validate_record({{"schema", "physmas/scene/1"}, {"name", "cameras"}, {"views", list}}, "scene", options.cameras);
+  UserViews user;
+  std::set<std::string> names;
+  for (size_t i = 0; i < list.size(); ++i) {
+    const std::string pointer = "/" + std::to_string(i);
+    SceneView view;
+    view.name = list[i].at("name").get<std::string>();
+    if (!names.insert(view.name).second)
+      throw invalid_field(options.cameras, pointer + "/name", view.name, "a name of its own for each view");
+    view.camera = camera_from(list[i].at("camera"), options.cameras, pointer + "/camera");
+    const std::string source =
+        resolve_inside(options.views, list[i].at("image").get<std::string>(), options.cameras, pointer + "/image");
+    const Image image = load_image(source);
+    if (image.width != view.camera.width || image.height != view.camera.height) {
+      throw invalid_input({source, "", fmt::format("an image of {} x {} pixels", image.width, image.height),
+                           fmt::format("{} x {} as its camera says", view.camera.width, view.camera.height)});
+    }
+    view.image = options.folder + "/views/" + view.name + fs::path(source).extension().string();
+    user.files.push_back({view.image, read_file(source)});
+    user.views.push_back(std::move(view));
+  }
+  return user;
+}
+
+std::vector<CopiedFile> read_masks(const ImportOptions& options, const std::vector<SceneView>& views) {
+  std::vector<CopiedFile> files;
+  std::error_code failure;
+  if (!fs::is_directory(options.masks, failure))
+    throw invalid_input({options.masks, "", "no folder", "a folder with masks"});
+  std::set<std::string> paths;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(options.masks)) {
+    if (entry.is_regular_file() && entry.path().extension() == ".png") paths.insert(entry.path().string());
+  }
+  if (paths.empty()) throw invalid_input({options.masks, "", "no mask", "VIEW/OBJECT.png or VIEW/OBJECT/PART.png"});
+  for (const std::string& path : paths) {
+    const fs::path relative = fs::path(path).lexically_relative(options.masks);
+    const auto view = std::find_if(views.begin(), views.end(),
+                                   [&](const SceneView& v) { return v.name == relative.begin()->string(); });
+    if (view == views.end())
+      throw invalid_input({path, "", "a mask of no view", "a folder per view, named as the view"});
+    const Image mask = load_image(path);
+    if (mask.width != view->camera.width || mask.height != view->camera.height) {
+      throw invalid_input({path, "", fmt::format("a mask of {} x {} pixels", mask.width, mask.height),
+                           fmt::format("{} x {} as the view's camera says", view->camera.width, view->camera.height)});
+    }
+    files.push_back({options.folder + "/masks/" + relative.generic_string(), read_file(path)});
+  }
+  return files;
+}
+
+// The user's specification with what it leaves open: up, placement and floor.
+RunSpecification run_for(const ImportOptions& options, const Gaussians& gaussians) {
+  Json json = Json::object();
+  const std::string file = options.run.empty() ? "--drop" : options.run;
+  if (!options.run.empty()) {
+    json = load_record(options.run, "run");
+    json.erase("schema");
+    json.erase("provenance");
+    if (json.value("/placement/up"_json_pointer, options.up) != options.up) {
+      throw invalid_field(options.run, "/placement/up", json["placement"]["up"],
+                          "the axis that --up gives, \"" + options.up + "\"");
+    }
+  }
+  const bool own_center = json.contains("/placement/center"_json_pointer), own_colliders = json.contains("colliders");
+  json["placement"]["up"] = options.up;
+  RunSpecification run = run_specification_from(json, file, "");
+  if (own_colliders) return run;
+  const Heights walls = wall_heights(run);
+  if (!own_center) {
+    // As low as the walls allow: the cube of edge `extent` around the scene must stay inside them.
+    const Heights scene = heights_of(gaussians, run);
+    const double half = 0.5 * (scene.highest - scene.lowest);
+    const double center = std::max(walls.lowest + 0.5 * run.placement.extent + 1e-6,
+                                   walls.lowest + kFloorRoom * run.grid.dx() + options.drop + half);
+    const Eigen::Vector3d up = run.placement.up_vector();
+    run.placement.center += (center - up.dot(run.placement.center)) * up;
+    json["placement"]["center"] = to_json(run.placement.center);
+    if (center + 0.5 * run.placement.extent > walls.highest) {
+      throw invalid_input({file, "",
+                           fmt::format("a drop of {} below a scene of extent {}", options.drop, run.placement.extent),
+                           "both inside the walls of the solver's cube", "make --drop or placement.extent smaller"});
+    }
+  }
+  const double height = heights_of(gaussians, run).lowest - options.drop;
+  if (height < walls.lowest) {
+    throw invalid_input({file, "/placement/center", fmt::format("a floor at height {:.3f}", height),
+                         fmt::format("one above the lower wall, at {:.3f}", walls.lowest), "make --drop smaller"});
+  }
+  run = run_specification_from(json, file, "");
+  run.colliders.push_back(floor_at(height, run));
+  run.colliders.back().friction = kFloorFriction;
+  return run;
+}
+
+// The scene where it is and where it would lie after falling to the floor.
+std::vector<Eigen::Vector3d> points_to_frame(const std::vector<Eigen::Vector3d>& means, const Gaussians& gaussians,
+                                             const RunSpecification& run) {
+  std::vector<Eigen::Vector3d> points = means;
+  const SolverMap map = solver_map(gaussians, run);
+  const Eigen::Vector3d up = run.placement.up_vector();
+  for (const RunSpecification::Collider& c : run.colliders) {
+    if (c.type != RunSpecification::Collider::Type::plane || c.normal.dot(up) < 0.99) continue;
+    const double fall = (heights_of(gaussians, run).lowest - c.point.dot(up)) / map.s;
+    for (const Eigen::Vector3d& p : means) points.push_back(p - std::max(0.0, fall) * up);
+  }
+  return points;
+}
+
+void remove_other_masks(const std::string& folder, const std::vector<CopiedFile>& masks) {
+  std::set<std::string> kept;
+  for (const CopiedFile& file : masks) kept.insert(fs::path(file.to).lexically_normal().string());
+  std::vector<fs::path> stale;
+  std::error_code failure;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, failure)) {
+    if (entry.is_regular_file() && kept.count(entry.path().lexically_normal().string()) == 0)
+      stale.push_back(entry.path());
+  }
+  for (const fs::path& path : stale) fs::remove(path, failure);
+}
+
+}  // namespace
+
+void write_import_bundle(const ImportOptions& options) {
+  if (options.prompt.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw invalid_input({"--prompt", "", "a blank prompt", "a description of the motion",
+                         "for example --prompt \"it falls onto the floor\""});
+  const Gaussians gaussians = load_gaussians(options.gaussians);
+  Scene scene;
+  scene.name = options.name.empty() ? name_from(options.gaussians) : options.name;
+  scene.prompt = options.prompt;
+  scene.run = run_for(options, gaussians);
+  scene.gaussians = options.folder + "/gaussians.ply";
+
+  const std::vector<Eigen::Vector3d> means = robust_means_of(gaussians);
+  std::vector<CopiedFile> copies;
+  std::vector<Image> rendered;
+  if (!options.cameras.empty()) {
+    UserViews user = read_user_views(options);
+    scene.views = std::move(user.views);
+    copies = std::move(user.files);
+  } else {
+    const std::vector<Camera> cameras =
+        view_cameras(means, options.elevation, {options.up, kViewFov, kViewMargin, kViewSize, kViewSize});
+    rendered = render_view_images(gaussians, cameras, scene.run.render);
+    for (size_t i = 0; i < cameras.size(); ++i)
+      scene.views.push_back({kViewNames[i], options.folder + "/views/" + kViewNames[i] + ".png", cameras[i]});
+  }
+  scene.output_cameras = {
+      frame_points(points_to_frame(means, gaussians, scene.run), kOutputDirection,
+                   {options.up, kOutputFov, kOutputMargin, scene.run.render.width, scene.run.render.height})};
+
+  Provenance provenance;
+  provenance.tool = "pm-scene";
+  provenance.options = {{"command", "import"}, {"up", options.up}};
+  provenance.add_input(options.gaussians);
+  if (!options.run.empty()) provenance.add_input(options.run);
+  if (!options.cameras.empty()) provenance.add_input(options.cameras);
+  if (!options.inventory.empty()) {
+    load_inventory(options.inventory);
+    provenance.add_input(options.inventory);
+    scene.inventory = options.folder + "/inventory.json";
+    copies.push_back({scene.inventory, read_file(options.inventory)});
+  }
+  std::vector<CopiedFile> masks;
+  if (!options.masks.empty()) {
+    masks = read_masks(options, scene.views);
+    scene.masks = options.folder + "/masks";
+  }
+
+  save_gaussians_ply(scene.gaussians, gaussians);
+  for (size_t i = 0; i < rendered.size(); ++i) save_png(scene.views[i].image, rendered[i]);
+  for (const CopiedFile& file : copies) write_file(file.to, file.bytes);
+  for (const CopiedFile& file : masks) write_file(file.to, file.bytes);
+  if (!masks.empty()) remove_other_masks(scene.masks, masks);
+  save_scene(options.folder + "/scene.json", scene, provenance);
+  log_info(fmt::format("{}: {} Gaussians", options.folder, gaussians.size()));
+}
+
+}  // namespace physmas::splat

@@ -1,0 +1,33 @@
+// From a user's own Gaussians to a bundle on disk.
+#ifndef PHYSMAS_SPLAT_IMPORT_BUNDLE_H
+#define PHYSMAS_SPLAT_IMPORT_BUNDLE_H
+
+#include <string>
+
+namespace physmas::splat {
+
+struct ImportOptions {
+  std::string gaussians;  // .ply, .compressed.ply or .splat
+  std::string prompt;     // not blank
+  std::string folder;     // of the bundle
+  std::string up = "-y";  // raw captures have y down
+  std::string name;       // empty: made from the file's name
+  std::string views;      // folder with the user's four images, or empty
+  std::string cameras;    // JSON list of {name, image, camera}, with `views` only
+  std::string inventory;  // authored inventory, or empty
+  std::string masks;      // folder with VIEW/OBJECT.png and VIEW/OBJECT/PART.png, or empty
+  std::string run;        // partial run specification, or empty
+  double drop = 0.15;     // height of the lowest mean above the floor that is added, solver units, >= 0
+  double elevation = 10;  // of the four views that we render, degrees
+};
+
+// Reads and checks everything, then writes the bundle: gaussians.ply, views, the authored files and, last, scene.json.
+// Without colliders in the run specification a floor is added below the scene; without a placement there, the scene
+// stands so low that the floor lies a little above the lower wall. Errors (exit code 3): what the readers refuse, a
+// blank prompt, not exactly four views, an image of another size than its camera, a scene or floor outside the walls.
+// Unchanged files keep their timestamps.
+void write_import_bundle(const ImportOptions& options);
+
+}  // namespace physmas::splat
+
+#endif

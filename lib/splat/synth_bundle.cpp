@@ -1,0 +1,100 @@
+#include "splat/synth_bundle.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/log.h"
+#include "records/example.h"
+#include "records/hdf5_file.h"
+#include "scene/gaussian_files.h"
+#include "scene/placement.h"
+#include "scene/scene.h"
+#include "scene/synth.h"
+#include "scene/view_rig.h"
+#include "splat/image_io.h"
+#include "splat/views.h"
+
+namespace physmas::splat {
+namespace {
+
+// The example's run block with the example's up axis and floor.
+RunSpecification run_for(const Example& example, const Gaussians& gaussians, const std::string& file) {
+  Json json = example.run;
+  if (json.value("/placement/up"_json_pointer, example.up) != example.up) {
+    throw invalid_field(file, "/run/placement/up", json["placement"]["up"],
+                        "the example's own /up, \"" + example.up + "\"");
+  }
+  json["placement"]["up"] = example.up;
+  const RunSpecification run = run_specification_from(json, file, "/run");
+  if (!example.floor) return run;
+  const SolverMap map = solver_map(gaussians, run);
+  const double height = map.s * example.floor->height + run.placement.up_vector().dot(map.d);
+  if (height < wall_heights(run).lowest) {
+    throw invalid_field(
+        file, "/floor/height", example.floor->height,
+        fmt::format("a floor above the lower wall of the solver's cube, at height {:.3f} in scene units",
+                    (wall_heights(run).lowest - run.placement.up_vector().dot(map.d)) / map.s),
+        "raise run.placement.center or make run.placement.extent smaller");
+  }
+  const RunSpecification::Collider plane = floor_at(height, run);
+  json["colliders"].push_back({{"type", "plane"},
+                               {"point", to_json(plane.point)},
+                               {"normal", to_json(plane.normal)},
+                               {"mode", example.floor->mode},
+                               {"friction", example.floor->friction}});
+  return run_specification_from(json, file, "/run");
+}
+
+// What the output camera must see: the scene, the scene after falling to the floor, and the box that the author asks
+// for.
+std::vector<Eigen::Vector3d> points_to_frame(const Example& example, const Gaussians& gaussians) {
+  const Eigen::Matrix3d axes = scene_axes(example.up);
+  const Eigen::Vector3d up = axes.col(2);
+  std::vector<Eigen::Vector3d> points = means_of(gaussians);
+  if (example.floor) {
+    double lowest = up.dot(points.front());
+    for (const Eigen::Vector3d& p : points) lowest = std::min(lowest, up.dot(p));
+    const size_t count = points.size();
+    for (size_t i = 0; i < count; ++i) points.push_back(points[i] + (example.floor->height - lowest) * up);
+  }
+  for (const Eigen::Vector3d& corner : example.camera.frame) points.push_back(axes * corner);
+  return points;
+}
+
+}  // namespace
+
+void write_synth_bundle(const std::string& example_path, const std::string& folder) {
+  const Example example = load_example(example_path);
+  const SynthScene synth = synthesize(example, example_path);
+  Scene scene;
+  scene.name = example.name;
+  scene.prompt = example.prompt;
+  scene.run = run_for(example, synth.gaussians, example_path);
+  scene.gaussians = folder + "/gaussians.ply";
+  scene.inventory = folder + "/inventory.json";
+
+  const std::vector<Camera> cameras = view_cameras(means_of(synth.gaussians), example.camera.view_elevation,
+                                                   {example.up, kViewFov, kViewMargin, kViewSize, kViewSize});
+  const std::vector<Image> images = render_view_images(synth.gaussians, cameras, scene.run.render);
+  scene.output_cameras = {frame_points(
+      points_to_frame(example, synth.gaussians), {example.camera.azimuth, example.camera.elevation},
+      {example.up, example.camera.fov, example.camera.margin, scene.run.render.width, scene.run.render.height})};
+  Provenance provenance;
+  provenance.tool = "pm-scene";
+  provenance.options = {{"command", "synth"}};
+  provenance.add_input(example_path);
+
+  save_gaussians_ply(scene.gaussians, synth.gaussians);
+  for (size_t i = 0; i < images.size(); ++i) {
+    scene.views.push_back({kViewNames[i], folder + "/views/" + kViewNames[i] + ".png", cameras[i]});
+    save_png(scene.views.back().image, images[i]);
+  }
+  save_inventory(scene.inventory, synth.inventory, {}, provenance);
+  Hdf5Writer truth(folder + "/truth.h5", "truth", provenance);
+  truth.write_int("/gaussians/row", {synth.row.size()}, synth.row.data());
+  truth.commit();
+  save_scene(folder + "/scene.json", scene, provenance);
+  log_info(fmt::format("{}: {} Gaussians in {} rows", folder, synth.gaussians.size(), synth.inventory.rows.size()));
+}
+
+}  // namespace physmas::splat

@@ -1,0 +1,16 @@
+// From a described scene to a bundle on disk.
+#ifndef PHYSMAS_SPLAT_SYNTH_BUNDLE_H
+#define PHYSMAS_SPLAT_SYNTH_BUNDLE_H
+
+#include <string>
+
+namespace physmas::splat {
+
+// Reads an example (records/example.h) and writes the bundle: gaussians.ply, views/NAME.png, inventory.json, truth.h5
+// (/gaussians/row: the true row of every Gaussian) and, last, scene.json. Nothing is written when the example is wrong
+// (exit code 3). Unchanged files keep their timestamps.
+void write_synth_bundle(const std::string& example_path, const std::string& folder);
+
+}  // namespace physmas::splat
+
+#endif

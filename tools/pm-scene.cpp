@@ -1,0 +1,75 @@
+// pm-scene: makes scene bundles, and cuts their run specification into slices.
+#include "base/command_line.h"
+#include "scene/overrides.h"
+#include "scene/report.h"
+#include "scene/scene.h"
+#include "splat/import_bundle.h"
+#include "splat/synth_bundle.h"
+
+using namespace physmas;
+
+int main(int argc, char** argv) {
+  std::string example, scene, described, folder, overrides_file;
+  std::vector<std::string> settings;
+  splat::ImportOptions import;
+  CLI::App *synth_command = nullptr, *import_command = nullptr, *slice_command = nullptr, *info_command = nullptr;
+
+  ToolMain tool;
+  tool.name = "pm-scene";
+  tool.description = "Makes scene bundles: from primitives (synth) or from a file of 3D Gaussians (import).";
+  tool.footer =
+      "Examples: pm-scene synth examples/cake.json --out runs/cake/scene\n"
+      "          pm-scene import guitar.compressed.ply --up=-y --prompt \"the guitar falls onto the floor\" --out DIR\n"
+      "Reads:    example.json, .ply, .compressed.ply, .splat    Writes: scene.json, gaussians.ply, views/*.png";
+  tool.options = [&](CLI::App& app) {
+    app.require_subcommand(1);
+    app.fallthrough();
+    synth_command = app.add_subcommand("synth", "A bundle from a scene described by primitives");
+    synth_command->add_option("EXAMPLE", example, "The description (docs/scenes.md)")->required();
+    synth_command->add_option("--out", folder, "Folder of the bundle")->required();
+
+    import_command = app.add_subcommand("import", "A bundle from a file of 3D Gaussians");
+    import_command->add_option("FILE", import.gaussians, "3DGS .ply, SuperSplat .compressed.ply, or .splat")
+        ->required();
+    import_command->add_option("--prompt", import.prompt, "What shall happen")->required();
+    import_command->add_option("--out", folder, "Folder of the bundle")->required();
+    import_command->add_option("--up", import.up, "Scene axis that points up")
+        ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
+        ->capture_default_str();
+    CLI::Option* views = import_command->add_option("--views", import.views, "Folder with four images of your own");
+    import_command->add_option("--cameras", import.cameras, "Their cameras: JSON list of {name, image, camera}")
+        ->needs(views);
+    views->needs("--cameras");
+    import_command->add_option("--inventory", import.inventory, "Authored inventory");
+    import_command->add_option("--masks", import.masks, "Authored masks: VIEW/OBJECT.png, VIEW/OBJECT/PART.png");
+    import_command->add_option("--run", import.run, "Run specification; what it leaves out has its default");
+    import_command->add_option("--name", import.name, "Id of the scene [a-z0-9-]; made from FILE when absent");
+    import_command->add_option("--drop", import.drop, "Height above the floor that is added, solver units")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    import_command->add_option("--elevation", import.elevation, "Of the four views that are rendered, degrees")
+        ->check(CLI::Range(-80.0, 80.0))
+        ->capture_default_str();
+
+    slice_command =
+        app.add_subcommand("slice", "One slice of scene.json per stage, each rewritten only when it changes");
+    slice_command->add_option("--scene", scene, "scene.json")->required();
+    slice_command->add_option("--set", settings, "Run setting KEY=VALUE, such as screening.tau=0.6")
+        ->expected(1)
+        ->take_all();
+    slice_command->add_option("--overrides", overrides_file, "Run specification whose fields win over the scene's");
+    slice_command->add_option("--out", folder, "Folder of the slices")->required();
+
+    info_command = app.add_subcommand("info", "What a file of Gaussians or a scene.json holds");
+    info_command->add_option("FILE", described, "A file of Gaussians, or scene.json")->required();
+  };
+  tool.work = [&](const CommonOptions&) {
+    import.folder = folder;
+    if (synth_command->parsed()) splat::write_synth_bundle(example, folder);
+    if (import_command->parsed()) splat::write_import_bundle(import);
+    if (slice_command->parsed()) write_slices(scene, run_overrides(overrides_file, settings), folder);
+    if (info_command->parsed()) print_report(described);
+    return 0;
+  };
+  return run_tool(argc, argv, tool);
+}
