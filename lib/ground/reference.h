@@ -1,0 +1,27 @@
+// From a noun phrase of the prompt to an object or a row of the inventory.
+#ifndef PHYSMAS_GROUND_REFERENCE_H
+#define PHYSMAS_GROUND_REFERENCE_H
+
+#include <string>
+#include <vector>
+
+#include "ground/prompt.h"
+#include "records/inventory.h"
+
+namespace physmas::ground {
+
+// The object ids and row keys that `phrase` fits best. A name fits when its last word, or the last word of its id, is
+// the phrase's head noun in the singular; among those the one with the most words in the phrase wins (the words of a
+// row's object count for the row), an object before its rows. More than one: the phrase is ambiguous. Residual rows
+// cannot be meant.
+std::vector<std::string> find_references(const Inventory& inventory, const NounPhrase& phrase);
+
+// Every object id and semantic row key, for messages.
+std::vector<std::string> all_references(const Inventory& inventory);
+
+// The object id of a reference (an object id or a row key).
+std::string object_of(const std::string& reference);
+
+}  // namespace physmas::ground
+
+#endif

@@ -1,0 +1,25 @@
+// The built-in agent's plan: the prompt's events as a proposal, compiled to the canonical plan Pi (paper, "Object-Part
+// Scene Agent" and Table "actions").
+#ifndef PHYSMAS_GROUND_SCENE_PLAN_H
+#define PHYSMAS_GROUND_SCENE_PLAN_H
+
+#include <string>
+
+#include "ground/scene_geometry.h"
+#include "records/inventory.h"
+#include "records/plan.h"
+#include "scene/run_specification.h"
+
+namespace physmas::ground {
+
+// Resolves the prompt against the inventory. Directions are unit vectors in scene axes; magnitudes are bounded by the
+// table in vocabulary.h (m/s of solver space); intervals lie within the run's duration. Everything that was defaulted,
+// bounded, left to gravity or not understood is said in `corrections`.
+// Errors (exit code 3, field /prompt of `file`): a thing that the inventory does not have or that fits several names,
+// an action whose solver operation is not built yet.
+Plan plan_from_prompt(const std::string& prompt, const Inventory& inventory, const SceneGeometry& geometry,
+                      const RunSpecification& run, const std::string& file);
+
+}  // namespace physmas::ground
+
+#endif

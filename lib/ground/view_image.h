@@ -1,0 +1,27 @@
+// The four views as the built-in perception reads them.
+#ifndef PHYSMAS_GROUND_VIEW_IMAGE_H
+#define PHYSMAS_GROUND_VIEW_IMAGE_H
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+#include "scene/scene.h"
+
+namespace physmas::ground {
+
+struct ViewImage {
+  std::string view;
+  cv::Mat rgb;    // [H, W] CV_32FC3, sRGB in 0..1, channel order R G B
+  cv::Mat alpha;  // [H, W] CV_32F in 0..1; empty when the file has no alpha channel
+};
+
+// An 8- or 16-bit image file as OpenCV decodes it, channels in OpenCV's order. Errors (exit code 3): no file, not an
+// image, a depth that we do not read.
+cv::Mat decode_image(const std::string& path);
+
+// Errors (exit code 3) as decode_image, and when the image's size is not its camera's.
+ViewImage load_view_image(const SceneView& view);
+
+}  // namespace physmas::ground
+
+#endif
