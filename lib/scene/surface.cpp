@@ -43,13 +43,15 @@ double turn_at(const Polyline& line, size_t i) {
 
 // Corners that turn by more than this are edges of the shape.
 constexpr double kSharp = 30 * kPi / 180;
+// Bends above this are rounded when the author asks for it.
+constexpr double kBend = 3 * kPi / 180;
 
 Polyline rounded(const Polyline& line, double radius) {
   if (radius <= 0) return line;
   Polyline out = {line.front()};
   for (size_t i = 1; i + 1 < line.size(); ++i) {
     const double turn = turn_at(line, i);
-    if (turn < kSharp) {
+    if (turn < kBend) {
       out.push_back(line[i]);
       continue;
     }

@@ -14,7 +14,7 @@ namespace physmas {
 struct SynthScene {
   Gaussians gaussians;       // scene space, spherical harmonics of degree 0
   std::vector<int32_t> row;  // [N] the true row of every Gaussian, index into inventory.rows
-  Inventory inventory;       // authored: with the colours of every part as appearance hints
+  Inventory inventory;       // authored, without appearance hints
 };
 
 // Covers every surface with flat Gaussians that lie along it. The same example gives the same Gaussians, bit for bit,
