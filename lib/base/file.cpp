@@ -104,8 +104,9 @@ bool write_file(const std::string& path, const std::string& bytes) {
 
 std::string portable_path(const std::string& path, const std::string& folder) {
   std::error_code failure;
-  const fs::path whole = fs::weakly_canonical(path, failure);
-  const fs::path base = fs::weakly_canonical(folder, failure);
+  // Absolute first: weakly_canonical leaves a relative path relative when its first folder does not exist yet.
+  const fs::path whole = fs::weakly_canonical(fs::absolute(path, failure), failure);
+  const fs::path base = fs::weakly_canonical(fs::absolute(folder, failure), failure);
   const std::string relative = whole.lexically_relative(base).generic_string();
   if (relative.empty() || relative.rfind("../../../", 0) == 0) return whole.filename().generic_string();
   return relative;

@@ -2,6 +2,7 @@
 #ifndef PHYSMAS_RECORDS_SCREEN_H
 #define PHYSMAS_RECORDS_SCREEN_H
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,10 @@
 #include "records/json.h"
 
 namespace physmas {
+
+// The repairs that a screen may ask for, in the paper's fixed order. A repair's id is base id, hyphen, name.
+inline constexpr std::array<const char*, 6> kRepairNames = {"support-stiffness", "rigid-support",    "elastic-cohesion",
+                                                            "higher-cohesion",   "solver-stability", "role-balanced"};
 
 struct ScreenedCandidate {
   struct Gate {

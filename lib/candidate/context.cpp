@@ -1,0 +1,85 @@
+#include "candidate/context.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "candidate/predicates.h"
+
+namespace physmas::candidate {
+namespace {
+
+// Solver ranges of ordinary rows (paper, "Visual-to-Solver Mapping and Parameter Domain").
+CandidateRow clamped(CandidateRow row) {
+  row.nu = std::clamp(row.nu, 0.05, 0.45);
+  row.rho = std::clamp(row.rho, 300.0, 3000.0);
+  return row;
+}
+
+std::set<int> impact_rows(const Inventory& inventory, const Plan& plan) {
+  std::set<int> rows;
+  for (const PlanAction& action : plan.actions) {
+    if (!action.impact || action.role != "target") continue;
+    for (int r : resolve_rows(inventory, action.target)) rows.insert(r);
+  }
+  return rows;
+}
+
+}  // namespace
+
+Context make_context(const Inventory& inventory, const Evidence& evidence, const Plan& plan,
+                     const RunSpecification& run, const std::vector<long>& gaussians) {
+  Context context{inventory, evidence, plan, run, {}, {}, false, 0};
+  const std::set<int> targets = impact_rows(inventory, plan);
+  std::set<std::string> objects;
+  for (size_t r = 0; r < inventory.rows.size(); ++r) {
+    const InventoryRow& row = inventory.rows[r];
+    if (row.residual && gaussians[r] == 0) {
+      context.inactive.push_back({"row " + row.key(), "a residual row without Gaussians"});
+      continue;
+    }
+    const int label = evidence.rows[r].label;
+    context.active.push_back({static_cast<int>(r), is_support(row, label), is_cohesive(row, label),
+                              stiffness_weight(row, label), targets.count(static_cast<int>(r)) > 0});
+    objects.insert(row.object);
+    context.mean_part_confidence += evidence.rows[r].part_confidence;
+  }
+  if (context.active.empty()) {
+    throw invalid_input({"", "part table", "no active row", "a semantic row, or a residual row with Gaussians"});
+  }
+  context.mean_part_confidence /= static_cast<double>(context.active.size());
+  context.several_objects = objects.size() > 1;
+  return context;
+}
+
+double E_at(const EvidenceRow& row, double kappa) {
+  return kLabels[row.label].clip_E(std::pow(10.0, row.log10_E + kappa * row.E_dispersion));
+}
+
+double nu_at(const EvidenceRow& row, double kappa) {
+  return kLabels[row.label].clip_nu(row.nu + kappa * row.nu_dispersion);
+}
+
+CandidateRow row_at(const Context& context, const ActiveRow& a, double kappa_E, double kappa_nu) {
+  const EvidenceRow& evidence = context.evidence_row(a);
+  CandidateRow row = row_of_label(context, a, evidence.label);
+  row.E = E_at(evidence, kappa_E);
+  row.nu = nu_at(evidence, kappa_nu);
+  return clamped(row);
+}
+
+CandidateRow row_of_label(const Context& context, const ActiveRow& a, int label) {
+  const LabelPrior& prior = kLabels[label];
+  CandidateRow row;
+  row.key = context.inventory_row(a).key();
+  row.row = a.row;
+  row.branch = prior.branch;
+  row.E = prior.E_default();
+  row.nu = prior.nu_default();
+  row.rho = prior.rho;
+  row.label = label;
+  row.residual = context.inventory_row(a).residual;
+  return clamped(row);
+}
+
+}  // namespace physmas::candidate

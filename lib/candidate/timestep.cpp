@@ -1,0 +1,47 @@
+#include "candidate/timestep.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace physmas::candidate {
+namespace {
+
+constexpr double kReferenceE = 5e6, kReferenceNu = 0.35, kReferenceRho = 2500;
+constexpr double kWaveSpeedScale = 0.7;  // kappa_CFL
+// Quotients such as 0.04 / 2e-4 must not gain or lose a substep to rounding.
+constexpr double kSlack = 1e-9;
+
+}  // namespace
+
+double wave_speed(double E, double nu, double rho) {
+  const double G = E / (2 * (1 + nu));
+  const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
+  return std::sqrt((lambda + 2 * G) / rho);
+}
+
+TimestepResult step_size(const std::vector<CandidateRow>& rows, const WholeObject& whole,
+                         const RunSpecification::Time& time) {
+  TimestepResult result;
+  result.c_max = wave_speed(whole.E, whole.nu, whole.rho);
+  for (const CandidateRow& row : rows) result.c_max = std::max(result.c_max, wave_speed(row.E, row.nu, row.rho));
+  result.c_ref = wave_speed(kReferenceE, kReferenceNu, kReferenceRho);
+  result.target = result.c_max <= kWaveSpeedScale * result.c_ref
+                      ? time.substep_dt
+                      : kWaveSpeedScale * time.substep_dt * result.c_ref / result.c_max;
+  // Counts stay doubles until the caps have made them small.
+  double substeps = std::max(1.0, std::ceil(time.frame_dt / result.target * (1 - kSlack)));
+  const double most = std::max(1.0, std::floor(time.frame_dt / time.min_substep_dt * (1 + kSlack)));
+  if (substeps > most) {
+    substeps = most;
+    result.capped_by = "min_substep_dt";
+  }
+  if (substeps > time.max_substeps) {
+    substeps = time.max_substeps;
+    result.capped_by = "max_substeps";
+  }
+  result.substeps = static_cast<int>(substeps);
+  result.dt = time.frame_dt / result.substeps;
+  return result;
+}
+
+}  // namespace physmas::candidate

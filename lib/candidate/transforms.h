@@ -1,0 +1,36 @@
+// The initial candidates and the repairs of Table "candidatetransforms": rows and controls.
+#ifndef PHYSMAS_CANDIDATE_TRANSFORMS_H
+#define PHYSMAS_CANDIDATE_TRANSFORMS_H
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "candidate/context.h"
+
+namespace physmas::candidate {
+
+// Names are file names and ids; the order is the paper's.
+inline constexpr std::array<const char*, 10> kInitialTransforms = {
+    "posterior", "target-impact", "hard-support-bonded", "support-stiff",       "solver-compatible", "rigid-support",
+    "soft",      "stiff",         "uncertainty-sweep",   "alternative-material"};
+
+// What a transform decides: rows of every active row, and U_aux.
+struct Configuration {
+  std::vector<CandidateRow> rows;
+  std::vector<std::pair<std::string, double>> projection;  // support row key -> eta
+  std::vector<std::string> retention;                      // support row keys
+};
+bool operator==(const Configuration& a, const Configuration& b);
+Configuration configuration_of(const Candidate& candidate);
+
+// Rows and controls of an initial transform; empty, with the reason in `why`, when it is not emitted.
+std::optional<Configuration> transform(const Context& context, const std::string& name, std::string& why);
+
+// Rows and controls of a repair of `base`. Fields that the repair does not name keep the base's values.
+Configuration repair(const Context& context, const std::string& name, const Candidate& base);
+
+}  // namespace physmas::candidate
+
+#endif

@@ -1,0 +1,93 @@
+#!/usr/bin/env bats
+bats_require_minimum_version 1.5.0
+load stages
+
+setup() {
+  make_scene
+  material --predictor material-records.json
+}
+
+@test "pm-candidates: help goes to stdout" {
+  run --separate-stderr "$bin/pm-candidates" --help
+  [ "$status" -eq 0 ]
+  [[ $output == *"--repair"* ]] && [ -z "$stderr" ]
+}
+
+@test "pm-candidates: usage errors" {
+  fails_with 2 "$bin/pm-candidates" --scene scene.json -- "is required"
+  fails_with 2 candidates --rounds 3 -- "--rounds"
+}
+
+@test "pm-candidates: round 0 with its makefile line" {
+  candidates
+  [ "$(cat candidates/round0.mk)" = "PM_ROUND0 := posterior target-impact hard-support-bonded support-stiff solver-compatible rigid-support" ]
+  grep -q '"what": "soft"' candidates/round0.json
+  [ "$(ls candidates/*.json | wc -l)" -eq 7 ]
+  # Sponge of the posterior: 10^4.12725116 Pa.
+  grep -q '"E": 13404.51669' candidates/posterior.json
+  # The predictor's whole-object record: Plasticine, 2e5 Pa, nu 0.45, rho 2000; the plate takes 1.6 times that.
+  grep -q '"E": 320000.0' candidates/solver-compatible.json
+  printf 'include candidates/round0.mk\nall:; @echo $(words $(PM_ROUND0))\n' >check.mk
+  [ "$(make -s -f check.mk)" -eq 6 ]
+}
+
+@test "pm-candidates: a rerun keeps bytes and timestamps, files of earlier runs stay" {
+  candidates
+  echo keep >candidates/other.json
+  touch -d '2001-01-01' candidates/*
+  candidates
+  for f in candidates/*; do [ "$(date -r "$f" +%Y)" = 2001 ]; done
+}
+
+@test "pm-candidates: a residual row without Gaussians is left out, and two objects never bond" {
+  cp inventory-two-objects.json inventory.json
+  "$make_fixture" masks inventory.json masks.h5 0.9
+  "$make_fixture" state inventory.json state.h5 3 4 2 3 2 0
+  material
+  candidates
+  grep -q '"what": "row cake/residual"' candidates/posterior.json
+  ! grep -q '"key": "cake/residual"' candidates/posterior.json
+  grep -q '"retention": \[\]' candidates/hard-support-bonded.json
+  grep -q '"cake/plate": 0.85' candidates/hard-support-bonded.json
+}
+
+@test "pm-candidates: bad files" {
+  rm evidence.json
+  fails_with 3 candidates -- evidence.json "No such file"
+  material
+  sed -i 's/"mask_confidence"/"mask_trust"/' evidence.json
+  fails_with 3 candidates -- evidence.json /rows/0 mask_trust
+  make_scene; material
+  sed -i 's/"target": "cake"/"target": "pie"/' plan.json
+  fails_with 3 candidates -- plan.json /actions/0/target pie
+  echo '{]' >plan.json
+  fails_with 3 candidates -- plan.json "malformed JSON"
+  cp "$data/plan.json" .
+  truncate -s 2000 state.h5
+  fails_with 3 candidates -- state.h5
+  [ ! -e candidates ]
+}
+
+@test "pm-candidates: evidence of another inventory, row or state" {
+  sed -i 's/"key": "cake\/icing"/"key": "cake\/glaze"/' evidence.json
+  fails_with 3 candidates -- evidence.json /rows/2/key cake/glaze cake/icing
+  material
+  old=$(sha256sum <state.h5 | cut -d' ' -f1)
+  "$make_fixture" state inventory.json state.h5 9 4 2 1
+  new=$(sha256sum <state.h5 | cut -d' ' -f1)
+  fails_with 3 candidates -- evidence.json /provenance/inputs "$old" "$new"
+  [ ! -e candidates ]
+}
+
+@test "pm-candidates: actions that are not built yet" {
+  sed -i 's/"type": "impulse"/"type": "drag_pair"/' plan.json
+  fails_with 3 candidates -- plan.json /actions/0/type drag_pair "translation, top_press or impulse"
+  [ ! -e candidates ]
+}
+
+@test "pm-candidates: a budget from the run specification" {
+  sed -i 's/"frames": 3/"frames": 3}, "screening": {"initial": 2/' scene.json
+  material
+  candidates
+  [ "$(cat candidates/round0.mk)" = "PM_ROUND0 := posterior target-impact" ]
+}

@@ -1,0 +1,129 @@
+// pm-candidates: executable configurations from material evidence and the plan, or the repairs of a screened round.
+#include <filesystem>
+
+#include "base/command_line.h"
+#include "base/file.h"
+#include "candidate/build.h"
+#include "records/state.h"
+#include "scene/scene.h"
+
+using namespace physmas;
+
+namespace {
+
+struct Options {
+  std::string scene, inventory, plan, evidence, state, out, repair;
+};
+
+// The evidence must belong to this state: its provenance where it has one, its counts always.
+void check_evidence(const Options& options, const Evidence& evidence, const std::vector<long>& gaussians) {
+  require_made_from(options.evidence, options.inventory, false);
+  require_made_from(options.evidence, options.state, false);
+  for (size_t r = 0; r < gaussians.size(); ++r) {
+    if (evidence.rows[r].gaussians == gaussians[r]) continue;
+    throw invalid_field(options.evidence, "/rows/" + std::to_string(r) + "/gaussians", evidence.rows[r].gaussians,
+                        std::to_string(gaussians[r]) + ", as in " + options.state, "run pm-material again");
+  }
+}
+
+std::string candidate_path(const Options& options, const std::string& id) {
+  return (std::filesystem::path(options.out) / (id + ".json")).string();
+}
+
+// The candidates that the screen has seen, in its order.
+std::vector<Candidate> load_seen(const Options& options, const ScreenRecord& screen, const Inventory& inventory) {
+  std::vector<Candidate> seen;
+  for (const ScreenedCandidate& screened : screen.candidates) {
+    const std::string path = candidate_path(options, screened.id);
+    seen.push_back(load_candidate(path));
+    if (seen.back().id != screened.id) throw invalid_field(path, "/id", seen.back().id, "\"" + screened.id + "\"");
+    for (size_t i = 0; i < seen.back().rows.size(); ++i) {
+      const CandidateRow& row = seen.back().rows[i];
+      if (row.row >= static_cast<int>(inventory.rows.size()) || inventory.rows[row.row].key() != row.key)
+        throw invalid_field(path, "/rows/" + std::to_string(i) + "/key", row.key, "the inventory's key of this row");
+    }
+  }
+  return seen;
+}
+
+int work(const Options& options) {
+  Provenance provenance;
+  provenance.tool = "pm-candidates";
+  for (const std::string& input : {options.scene, options.inventory, options.plan, options.evidence, options.state}) {
+    provenance.add_input(input);
+  }
+  const Scene scene = load_scene(options.scene, {});
+  const Inventory inventory = load_inventory(options.inventory);
+  const Plan plan = load_plan(options.plan, inventory);
+  std::vector<std::string> keys;
+  for (const InventoryRow& row : inventory.rows) keys.push_back(row.key());
+  const Evidence evidence = load_evidence(options.evidence, keys);
+  const std::vector<long> gaussians = load_state(options.state, &inventory).gaussians_per_row();
+  check_evidence(options, evidence, gaussians);
+
+  const candidate::Context context = candidate::make_context(inventory, evidence, plan, scene.run, gaussians);
+  candidate::Round round;
+  // A candidate names what shapes it: a repair its base, not the screen, whose other numbers may change without it.
+  Provenance candidate_provenance = provenance;
+  if (options.repair.empty()) {
+    round = candidate::build_initial(context, options.plan);
+  } else {
+    const ScreenRecord screen = load_screen(options.repair);
+    if (screen.round + 1 >= scene.run.screening.rounds)
+      throw invalid_field(options.repair, "/round", screen.round,
+                          "a round before the last of " + std::to_string(scene.run.screening.rounds));
+    const std::vector<Candidate> seen = load_seen(options, screen, inventory);
+    if (!screen.repair_base.empty()) {
+      const std::string base = candidate_path(options, screen.repair_base);
+      if (!std::any_of(seen.begin(), seen.end(), [&](const Candidate& c) { return c.id == screen.repair_base; }))
+        throw invalid_field(options.repair, "/repair/base", screen.repair_base, "the id of a screened candidate");
+      provenance.add_input(base);
+      candidate_provenance.add_input(base);
+    }
+    provenance.add_input(options.repair);
+    round = candidate::build_repairs(context, screen, seen, options.plan);
+  }
+
+  CandidateRound record;
+  record.round = round.round;
+  record.omitted = round.omitted;
+  std::string fragment = "PM_ROUND" + std::to_string(round.round) + " :=";
+  for (const Candidate& c : round.candidates) {
+    save_candidate(candidate_path(options, c.id), c, candidate_provenance);
+    record.ids.push_back(c.id);
+    fragment += " " + c.id;
+  }
+  const std::string stem = (std::filesystem::path(options.out) / ("round" + std::to_string(round.round))).string();
+  save_round(stem + ".json", record, provenance);
+  write_file(stem + ".mk", fragment + "\n");
+  return static_cast<int>(ExitCode::done);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  ToolMain tool;
+  tool.name = "pm-candidates";
+  tool.description =
+      "Executable candidates of a scene: the initial transforms of the material posterior, or repairs of a round.";
+  tool.footer =
+      "Example: pm-candidates --scene scene.json --inventory inventory.json --plan plan.json --evidence evidence.json "
+      "--state state.h5 --out candidates\n"
+      "Reads physmas/scene, inventory, plan, evidence, state and, with --repair, screen and the screened candidates; "
+      "writes DIR/ID.json (physmas/candidate), DIR/roundN.json (physmas/round) and DIR/roundN.mk (one makefile line "
+      "PM_ROUNDN := ids). A screen that asks for no repair gives an empty round.\n"
+      "Actions built so far: translation, top_press, impulse.";
+  tool.options = [&](CLI::App& app) {
+    app.add_option("--scene", options.scene, "scene.json or its slice")->required()->type_name("FILE");
+    app.add_option("--inventory", options.inventory, "inventory.json")->required()->type_name("FILE");
+    app.add_option("--plan", options.plan, "plan.json")->required()->type_name("FILE");
+    app.add_option("--evidence", options.evidence, "evidence.json")->required()->type_name("FILE");
+    app.add_option("--state", options.state, "state.h5")->required()->type_name("FILE");
+    app.add_option("--out", options.out, "Folder of the candidates")->required()->type_name("DIR");
+    app.add_option("--repair", options.repair, "screen/roundN.json whose base is repaired for round N+1")
+        ->type_name("FILE");
+  };
+  tool.work = [&](const CommonOptions&) { return work(options); };
+  return run_tool(argc, argv, tool);
+}
