@@ -29,7 +29,8 @@ std::string mask_folder(const Options& options, const Scene& scene) {
     throw Error(ExitCode::usage, "--agent " + options.agent + ": not built yet, expected builtin");
   if (options.perception.rfind("masks:", 0) == 0 && options.perception.size() > 6) return options.perception.substr(6);
   if (options.perception != "builtin")
-    throw Error(ExitCode::usage, "--perception " + options.perception + ": not built yet, expected builtin or masks:DIR");
+    throw Error(ExitCode::usage,
+                "--perception " + options.perception + ": not built yet, expected builtin or masks:DIR");
   return scene.masks;
 }
 
@@ -69,7 +70,8 @@ int main(int argc, char** argv) {
   tool.description = "Find the objects and parts of a scene in its four views, and make the prompt a plan of actions.";
   tool.footer =
       "Example: pm-ground --scene bundle/scene.json --out runs/cake\n"
-      "Reads scene.json (or its slice), the views, an authored inventory and masks; writes inventory.json, plan.json and "
+      "Reads scene.json (or its slice), the views, an authored inventory and masks; writes inventory.json, plan.json "
+      "and "
       "masks.h5 into --out.";
   tool.options = [&](CLI::App& app) {
     app.add_option("--scene", options.scene, "Scene bundle, or its slice for this stage")->required();

@@ -5,19 +5,18 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "base/error.h"
-#include "ground/view_image.h"
+#include "scene/image.h"
+#include "splat/image_io.h"
 
 namespace fs = std::filesystem;
 
 namespace physmas::ground {
 namespace {
 
-constexpr double kInside = 127;  // of 255
+constexpr int kInside = 127;  // of 255
 
 // Entries of a folder, sorted by name.
 std::vector<fs::path> entries_of(const fs::path& folder) {
@@ -29,28 +28,24 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
 }
 
 Mask read_mask_file(const fs::path& path, const SceneView& view) {
-  cv::Mat image = decode_image(path.string());
-  if (image.cols != view.camera.width || image.rows != view.camera.height) {
-    throw invalid_input({path.string(), "", fmt::format("a mask of {} x {} pixels", image.cols, image.rows),
+  const Image image = splat::load_image(path.string());
+  if (image.width != view.camera.width || image.height != view.camera.height) {
+    throw invalid_input({path.string(), "", fmt::format("a mask of {} x {} pixels", image.width, image.height),
                          fmt::format("{} x {}, the size of the camera of view \"{}\"", view.camera.width,
                                      view.camera.height, view.name)});
   }
-  if (image.depth() == CV_16U) image.convertTo(image, CV_8U, 1.0 / 257);
-  cv::Mat grey;
-  if (image.channels() == 3) {
-    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  } else {
-    cv::extractChannel(image, grey, image.channels() - 1);
-  }
-  const cv::Mat inside = grey > kInside;
   Mask mask;
-  if (cv::countNonZero(inside) == 0) return mask;
-  mask.width = inside.cols;
-  mask.height = inside.rows;
+  mask.width = image.width;
+  mask.height = image.height;
   mask.confidence = 1;
   mask.source = "file";
-  mask.pixels.assign(inside.data, inside.data + inside.total());
-  return mask;
+  mask.pixels.resize(static_cast<size_t>(image.width) * image.height);
+  for (size_t i = 0; i < mask.pixels.size(); ++i) {
+    const uint8_t* p = &image.pixels[i * image.channels];
+    const int value = image.channels == 3 ? std::max({p[0], p[1], p[2]}) : p[image.channels - 1];
+    mask.pixels[i] = value > kInside ? 255 : 0;
+  }
+  return mask.area() > 0 ? mask : Mask();
 }
 
 Error unknown(const fs::path& path, const std::string& expected) {
@@ -113,8 +108,7 @@ std::vector<ViewMasks> load_mask_files(const std::string& folder, const Inventor
       }
     }
   }
-  if (files.empty())
-    throw invalid_input({folder, "", "no masks", "VIEW/OBJECT.png or VIEW/OBJECT/PART.png"});
+  if (files.empty()) throw invalid_input({folder, "", "no masks", "VIEW/OBJECT.png or VIEW/OBJECT/PART.png"});
   for (ViewMasks& masks : all) {
     for (size_t o = 0; o < inventory.objects.size(); ++o) complete_object(inventory, o, masks);
   }

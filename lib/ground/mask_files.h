@@ -11,10 +11,10 @@
 
 namespace physmas::ground {
 
-// Grey values above 127 are inside; an image with alpha is inside where its alpha is. Confidence 1, source "file". An
-// object without a file is the union of its parts; a single part without a file is its object. Every PNG that was read
-// is appended to `files`. Errors (exit code 3): a file or folder that is no view, object or part, no masks at all,
-// a mask of another size than its view's camera.
+// Values above 127 are inside: of the grey, of the brightest colour channel, or of alpha where there is one. Confidence
+// 1, source "file". An object without a file is the union of its parts; a single part without a file is its object.
+// Every PNG that was read is appended to `files`. Errors (exit code 3): a file or folder that is no view, object or
+// part, no masks at all, a mask of another size than its view's camera.
 std::vector<ViewMasks> load_mask_files(const std::string& folder, const Inventory& inventory,
                                        const std::vector<SceneView>& views, std::vector<std::string>& files);
 

@@ -36,10 +36,10 @@ Perception perceive(const Scene& scene, const Inventory& inventory, const std::s
   for (size_t r = 0; r < inventory.rows.size(); ++r) {
     if (inventory.rows[r].residual) continue;
     if (!shown([&](const ViewMasks& view) -> const Mask& { return view.rows[r]; })) {
-      perception.omitted.push_back({"masks of " + inventory.rows[r].key(),
-                                    inventory.rows[r].hints.empty() && mask_folder.empty()
-                                        ? "it has no hints and its object has other rows"
-                                        : "no view shows it"});
+      perception.omitted.push_back(
+          {"masks of " + inventory.rows[r].key(), inventory.rows[r].hints.empty() && mask_folder.empty()
+                                                      ? "it has no hints and its object has other rows"
+                                                      : "no view shows it"});
     }
   }
   if (!anything) {

@@ -163,10 +163,10 @@ class Reader {
   }
 
   static bool is_preposition(const std::string& token) {
-    return one_of(token, {"by", "into", "against", "onto", "on", "upon", "at", "in", "through", "to", "toward", "towards",
-                          "from", "with", "using", "via", "off", "across", "around", "between", "under", "near", "next",
-                          "beside", "along", "for", "after", "over", "inside", "within", "during", "like", "until",
-                          "out"});
+    return one_of(token, {"by",     "into",    "against", "onto",   "on",   "upon",   "at",    "in",  "through",
+                          "to",     "toward",  "towards", "from",   "with", "using",  "via",   "off", "across",
+                          "around", "between", "under",   "near",   "next", "beside", "along", "for", "after",
+                          "over",   "inside",  "within",  "during", "like", "until",  "out"});
   }
 
   // The first phrase of a kind counts.
@@ -174,7 +174,8 @@ class Reader {
     NounPhrase* slot = &ignored;
     if (preposition == "by") slot = &event.agent;
     if (one_of(preposition, {"with", "using", "via"})) slot = &event.instrument;
-    if (one_of(preposition, {"into", "against", "onto", "on", "upon", "at", "in", "through", "over"})) slot = &event.goal;
+    if (one_of(preposition, {"into", "against", "onto", "on", "upon", "at", "in", "through", "over"}))
+      slot = &event.goal;
     if (one_of(preposition, {"to", "toward", "towards"})) slot = &event.toward;
     return slot->empty() ? slot : &ignored;
   }

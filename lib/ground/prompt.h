@@ -17,21 +17,21 @@ using NounPhrase = std::vector<std::string>;
 // One verb and what belongs to it. Phrases are empty where the prompt has none.
 struct Event {
   Verb verb;
-  std::string word;        // the verb as written
-  NounPhrase subject;      // inherited from the event before where the clause has none of its own
-  NounPhrase object;       // direct object
-  NounPhrase agent;        // "by ...", which makes the event passive
-  NounPhrase instrument;   // "with ..."
-  NounPhrase goal;         // "into/against/onto/on/at/in ..."
-  NounPhrase toward;       // "to/towards ..."
+  std::string word;       // the verb as written
+  NounPhrase subject;     // inherited from the event before where the clause has none of its own
+  NounPhrase object;      // direct object
+  NounPhrase agent;       // "by ...", which makes the event passive
+  NounPhrase instrument;  // "with ..."
+  NounPhrase goal;        // "into/against/onto/on/at/in ..."
+  NounPhrase toward;      // "to/towards ..."
   bool passive = false;
   bool negated = false;
-  bool then = false;       // told as coming after the event before
+  bool then = false;  // told as coming after the event before
   std::vector<DirectionWord> directions;
-  double strength = 1;                 // factor on the default magnitude
-  std::optional<double> speed;         // "at 2 m/s"
-  std::optional<double> duration;      // "for 1 second" [s]
-  std::optional<double> delay;         // "after 0.5 s" [s]
+  double strength = 1;             // factor on the default magnitude
+  std::optional<double> speed;     // "at 2 m/s"
+  std::optional<double> duration;  // "for 1 second" [s]
+  std::optional<double> delay;     // "after 0.5 s" [s]
 };
 
 struct Reading {

@@ -18,12 +18,21 @@ Words words_of(const std::string& name, const std::string& id) {
   return words;
 }
 
-bool has_head(const std::string& name, const std::string& id, const std::string& head) {
-  for (const std::string& text : {name, id}) {
-    const std::vector<std::string> words = name_words(text);
-    if (!words.empty() && words.back() == head) return true;
+// The noun that a name is about: its last word before a preposition ("glass of beverage" is a glass).
+std::string head_of(const std::string& name) {
+  std::string head;
+  for (const std::string& word : name_words(name)) {
+    if (word == "on" || word == "of" || word == "with" || word == "in" || word == "at" || word == "for" ||
+        word == "from" || word == "under") {
+      break;
+    }
+    head = word;
   }
-  return false;
+  return head;
+}
+
+bool has_head(const std::string& name, const std::string& id, const std::string& head) {
+  return head_of(name) == head || head_of(id) == head;
 }
 
 }  // namespace

@@ -10,8 +10,8 @@
 
 namespace physmas::ground {
 
-// The object ids and row keys that `phrase` fits best. A name fits when its last word, or the last word of its id, is
-// the phrase's head noun in the singular; among those the one with the most words in the phrase wins (the words of a
+// The object ids and row keys that `phrase` fits best. A name fits when its head noun, or that of its id, is the
+// phrase's in the singular; among those the one with the most words in the phrase wins (the words of a
 // row's object count for the row), an object before its rows. More than one: the phrase is ambiguous. Residual rows
 // cannot be meant.
 std::vector<std::string> find_references(const Inventory& inventory, const NounPhrase& phrase);

@@ -60,7 +60,8 @@ std::optional<Box> box_of(const std::vector<SceneView>& views, const std::vector
     for (int corner = 0; corner < 4; ++corner) {
       const double x = corner % 2 == 0 ? outline.low.x() : outline.high.x();
       const double y = corner / 2 == 0 ? outline.low.y() : outline.high.y();
-      const Eigen::Vector3d in_camera(depth * (x - camera->cx) / camera->fx, depth * (y - camera->cy) / camera->fy, depth);
+      const Eigen::Vector3d in_camera(depth * (x - camera->cx) / camera->fx, depth * (y - camera->cy) / camera->fy,
+                                      depth);
       const Eigen::Vector3d offset = camera->rotation().transpose() * (in_camera - camera->translation()) - box.center;
       // A view measures only the axes that it sees from the side.
       for (int a = 0; a < 3; ++a) {
@@ -79,19 +80,32 @@ std::optional<Box> box_of(const std::vector<SceneView>& views, const std::vector
 
 Eigen::Vector3d SceneGeometry::axis(DirectionWord word) const {
   switch (word) {
-    case DirectionWord::up: return up;
-    case DirectionWord::down: return -up;
-    case DirectionWord::left: return -right;
-    case DirectionWord::right: return right;
-    case DirectionWord::toward: return toward;
-    case DirectionWord::away: return -toward;
-    case DirectionWord::plus_x: return Eigen::Vector3d::UnitX();
-    case DirectionWord::minus_x: return -Eigen::Vector3d::UnitX();
-    case DirectionWord::plus_y: return Eigen::Vector3d::UnitY();
-    case DirectionWord::minus_y: return -Eigen::Vector3d::UnitY();
-    case DirectionWord::plus_z: return Eigen::Vector3d::UnitZ();
-    case DirectionWord::minus_z: return -Eigen::Vector3d::UnitZ();
-    case DirectionWord::none: break;
+    case DirectionWord::up:
+      return up;
+    case DirectionWord::down:
+      return -up;
+    case DirectionWord::left:
+      return -right;
+    case DirectionWord::right:
+      return right;
+    case DirectionWord::toward:
+      return toward;
+    case DirectionWord::away:
+      return -toward;
+    case DirectionWord::plus_x:
+      return Eigen::Vector3d::UnitX();
+    case DirectionWord::minus_x:
+      return -Eigen::Vector3d::UnitX();
+    case DirectionWord::plus_y:
+      return Eigen::Vector3d::UnitY();
+    case DirectionWord::minus_y:
+      return -Eigen::Vector3d::UnitY();
+    case DirectionWord::plus_z:
+      return Eigen::Vector3d::UnitZ();
+    case DirectionWord::minus_z:
+      return -Eigen::Vector3d::UnitZ();
+    case DirectionWord::none:
+      break;
   }
   return Eigen::Vector3d::Zero();
 }

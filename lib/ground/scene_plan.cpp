@@ -38,7 +38,8 @@ class Compiler {
     for (const std::string& text : reading.not_understood) note("not understood, left out: \"" + text + "\"");
     for (const Event& event : reading.events) compile_event(event);
     if (reading.events.empty()) note("no verb that the built-in agent knows: gravity only");
-    if (plan_.actions.empty()) plan_.omitted.push_back({"actions", "gravity and the colliders do what the prompt tells"});
+    if (plan_.actions.empty())
+      plan_.omitted.push_back({"actions", "gravity and the colliders do what the prompt tells"});
     plan_.resolved = true;
     return std::move(plan_);
   }
@@ -152,7 +153,8 @@ class Compiler {
     if (type == ActionType::translation && wind) type = ActionType::impulse;
     refuse_unbuilt(event, type);
     if (type == ActionType::translation) {
-      if (const std::string goal = obstacle(event.goal, patient); !goal.empty()) return add_collision(event, patient, goal);
+      if (const std::string goal = obstacle(event.goal, patient); !goal.empty())
+        return add_collision(event, patient, goal);
     }
     add_action(event, type, "", patient);
   }
@@ -184,8 +186,9 @@ class Compiler {
 
   void refuse_unbuilt(const Event& event, ActionType type) const {
     if (range_of(type)) return;
-    throw refused(fmt::format("\"{}\", the action {}, whose solver operation is not built yet", event.word, action_name(type)),
-                  "what translation, top_press, impulse or gravity can do", "say it with push, press, hit or fall");
+    throw refused(
+        fmt::format("\"{}\", the action {}, whose solver operation is not built yet", event.word, action_name(type)),
+        "what translation, top_press, impulse or gravity can do", "say it with push, press, hit or fall");
   }
 
   // "falls (onto Y)": gravity does it; falling onto another object of the scene is a driven collision.
@@ -236,7 +239,7 @@ class Compiler {
     action.source = source;
     action.target = target;
     action.impact = type == ActionType::impulse || (!source.empty() && !same_object(source, target));
-    action.direction = direction_of(event, action);
+    action.direction = direction_of(event, action) + Eigen::Vector3d::Zero();  // no negative zeros
     action.magnitude = magnitude_of(event, type);
     set_interval(event, action);
     plan_.actions.push_back(action);
@@ -280,8 +283,8 @@ class Compiler {
     const double wanted = event.speed ? *event.speed : range.magnitude * event.strength;
     const double magnitude = std::min(std::max(wanted, range.min), range.max);
     if (magnitude != wanted)
-      note(fmt::format("{} of {} m/s brought to {} m/s (bounds {}..{})", action_name(type), wanted, magnitude, range.min,
-                       range.max));
+      note(fmt::format("{} of {} m/s brought to {} m/s (bounds {}..{})", action_name(type), wanted, magnitude,
+                       range.min, range.max));
     return magnitude;
   }
 
@@ -291,7 +294,8 @@ class Compiler {
     action.start = event.delay ? *event.delay : std::min(range.start, 0.1 * whole);
     if (event.then && !event.delay && !plan_.actions.empty()) action.start = plan_.actions.back().end;
     if (action.start > whole) {
-      note(fmt::format("{} starts at {} s, after the run's end: moved to {} s", action_name(action.type), action.start, 0.5 * whole));
+      note(fmt::format("{} starts at {} s, after the run's end: moved to {} s", action_name(action.type), action.start,
+                       0.5 * whole));
       action.start = 0.5 * whole;
     }
     double length = range.end_fraction * whole - range.start;

@@ -18,10 +18,10 @@ constexpr double kLightnessWeight = 0.3;
 constexpr double kShadingRange = 2.0;
 // A row that has only a region fits its pixels this well, as a share of the tolerance: a fitting colour wins.
 constexpr float kRegionScore = 0.5f;
-constexpr float kNoFit = 2.0f;       // score of a pixel outside a row's region
-constexpr int kSmoothing = 5;        // pixels, edge of the Gaussian window on the scores
-constexpr int kReach = 24;           // pixels that a row's label may spread into foreground that fits no row
-constexpr int kSmallestPiece = 12;   // pixels; smaller connected pieces of a row are noise
+constexpr float kNoFit = 2.0f;      // score of a pixel outside a row's region
+constexpr int kSmoothing = 5;       // pixels, edge of the Gaussian window on the scores
+constexpr int kReach = 24;          // pixels that a row's label may spread into foreground that fits no row
+constexpr int kSmallestPiece = 12;  // pixels; smaller connected pieces of a row are noise
 constexpr int kUnassigned = -1;
 
 // Whether the hints say anything about this view.

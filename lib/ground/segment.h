@@ -13,7 +13,7 @@ namespace physmas::ground {
 // Foreground of one view, CV_8U 0 or 255 by pixel, and how sure it is.
 struct Foreground {
   cv::Mat mask;
-  double confidence = 0;  // 0..1
+  double confidence = 0;    // 0..1
   const char* source = "";  // "alpha" or "background"
 };
 

@@ -15,11 +15,7 @@ struct ViewImage {
   cv::Mat alpha;  // [H, W] CV_32F in 0..1; empty when the file has no alpha channel
 };
 
-// An 8- or 16-bit image file as OpenCV decodes it, channels in OpenCV's order. Errors (exit code 3): no file, not an
-// image, a depth that we do not read.
-cv::Mat decode_image(const std::string& path);
-
-// Errors (exit code 3) as decode_image, and when the image's size is not its camera's.
+// Errors (exit code 3) as splat::load_image, and when the image's size is not its camera's.
 ViewImage load_view_image(const SceneView& view);
 
 }  // namespace physmas::ground

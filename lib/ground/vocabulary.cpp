@@ -21,9 +21,31 @@ const std::vector<VerbLine>& verb_lines() {
   static const std::vector<VerbLine> kLines = {
       {{Kind::action, ActionType::translation},
        "",
-       {"push", "shove", "slide:slid", "move", "throw:threw:thrown", "toss", "fling:flung", "hurl", "roll", "fly:flew:flown",
-        "travel", "shift", "drive:drove:driven", "charge", "ram", "swing:swung", "carry", "pull", "tug", "translate",
-        "glide", "speed:sped", "rush", "advance", "approach"}},
+       {"push",
+        "shove",
+        "slide:slid",
+        "move",
+        "throw:threw:thrown",
+        "toss",
+        "fling:flung",
+        "hurl",
+        "roll",
+        "fly:flew:flown",
+        "travel",
+        "shift",
+        "drive:drove:driven",
+        "charge",
+        "ram",
+        "swing:swung",
+        "carry",
+        "pull",
+        "tug",
+        "translate",
+        "glide",
+        "speed:sped",
+        "rush",
+        "advance",
+        "approach"}},
       {{Kind::action, ActionType::translation}, "up", {"lift", "raise", "rise:rose:risen", "hoist", "elevate"}},
       {{Kind::action, ActionType::translation}, "down", {"lower"}},
       {{Kind::action, ActionType::top_press},
@@ -31,18 +53,46 @@ const std::vector<VerbLine>& verb_lines() {
        {"press", "squash", "squish", "crush", "smush", "smash", "stomp", "trample", "depress"}},
       {{Kind::action, ActionType::impulse},
        "",
-       {"hit", "strike:struck:stricken", "kick", "knock", "blow:blew:blown", "punch", "slap", "tap", "poke", "bump", "flick",
-        "smack", "bat", "nudge", "jolt", "whack", "thump", "collide", "slam", "crash", "sway", "rock", "shake:shook:shaken",
-        "bend:bent", "tilt", "lean:leant", "flutter", "impact"}},
+       {"hit",
+        "strike:struck:stricken",
+        "kick",
+        "knock",
+        "blow:blew:blown",
+        "punch",
+        "slap",
+        "tap",
+        "poke",
+        "bump",
+        "flick",
+        "smack",
+        "bat",
+        "nudge",
+        "jolt",
+        "whack",
+        "thump",
+        "collide",
+        "slam",
+        "crash",
+        "sway",
+        "rock",
+        "shake:shook:shaken",
+        "bend:bent",
+        "tilt",
+        "lean:leant",
+        "flutter",
+        "impact"}},
       {{Kind::action, ActionType::impulse}, "up", {"jump", "hop", "leap:leapt"}},
       {{Kind::gravity, {}},
        "",
-       {"fall:fell:fallen", "drop", "land", "topple", "tumble", "collapse", "plunge", "plummet", "descend", "sink:sank:sunk",
-        "release", "slump", "sag", "droop", "settle"}},
-      {{Kind::outcome, {}},
-       "",
-       {"bounce", "rebound", "break:broke:broken", "shatter", "deform", "splash", "spill", "splatter", "wobble", "jiggle",
-        "dent", "crack", "rest", "stay", "remain", "sit:sat", "stand:stood", "lie:lay:lain", "stop", "come:came", "scatter"}},
+       {"fall:fell:fallen", "drop", "land", "topple", "tumble", "collapse", "plunge", "plummet", "descend",
+        "sink:sank:sunk", "release", "slump", "sag", "droop", "settle"}},
+      {{Kind::outcome, {}}, "", {"bounce",  "rebound",     "break:broke:broken",
+                                 "shatter", "deform",      "splash",
+                                 "spill",   "splatter",    "wobble",
+                                 "jiggle",  "dent",        "crack",
+                                 "rest",    "stay",        "remain",
+                                 "sit:sat", "stand:stood", "lie:lay:lain",
+                                 "stop",    "come:came",   "scatter"}},
       {{Kind::action, ActionType::radial_spread},
        "",
        {"spread:spread", "melt", "ooze", "expand", "dissolve", "liquefy", "explode", "burst", "smear"}},
@@ -53,7 +103,9 @@ const std::vector<VerbLine>& verb_lines() {
       {{Kind::action, ActionType::torque},
        "",
        {"twist", "spin:spun", "rotate", "turn", "twirl", "wring:wrung", "whirl", "swirl", "pivot"}},
-      {{Kind::action, ActionType::support_hold}, "", {"hold:held", "fix", "pin", "anchor", "grasp", "secure", "fasten"}},
+      {{Kind::action, ActionType::support_hold},
+       "",
+       {"hold:held", "fix", "pin", "anchor", "grasp", "secure", "fasten"}},
   };
   return kLines;
 }
@@ -91,41 +143,18 @@ std::optional<Verb> find_verb(const std::string& token) {
 
 DirectionWord find_direction(const std::string& token) {
   static const std::map<std::string, DirectionWord> kWords = {
-      {"up", DirectionWord::up},
-      {"upward", DirectionWord::up},
-      {"upwards", DirectionWord::up},
-      {"above", DirectionWord::up},
-      {"top", DirectionWord::up},
-      {"down", DirectionWord::down},
-      {"downward", DirectionWord::down},
-      {"downwards", DirectionWord::down},
-      {"below", DirectionWord::down},
-      {"beneath", DirectionWord::down},
-      {"underneath", DirectionWord::down},
-      {"bottom", DirectionWord::down},
-      {"left", DirectionWord::left},
-      {"leftward", DirectionWord::left},
-      {"leftwards", DirectionWord::left},
-      {"right", DirectionWord::right},
-      {"rightward", DirectionWord::right},
-      {"rightwards", DirectionWord::right},
-      {"sideways", DirectionWord::right},
-      {"sideward", DirectionWord::right},
-      {"horizontally", DirectionWord::right},
-      {"forward", DirectionWord::toward},
-      {"forwards", DirectionWord::toward},
-      {"front", DirectionWord::toward},
-      {"back", DirectionWord::away},
-      {"behind", DirectionWord::away},
-      {"backward", DirectionWord::away},
-      {"backwards", DirectionWord::away},
-      {"away", DirectionWord::away},
-      {"+x", DirectionWord::plus_x},
-      {"-x", DirectionWord::minus_x},
-      {"+y", DirectionWord::plus_y},
-      {"-y", DirectionWord::minus_y},
-      {"+z", DirectionWord::plus_z},
-      {"-z", DirectionWord::minus_z},
+      {"up", DirectionWord::up},          {"upward", DirectionWord::up},       {"upwards", DirectionWord::up},
+      {"above", DirectionWord::up},       {"top", DirectionWord::up},          {"down", DirectionWord::down},
+      {"downward", DirectionWord::down},  {"downwards", DirectionWord::down},  {"below", DirectionWord::down},
+      {"beneath", DirectionWord::down},   {"underneath", DirectionWord::down}, {"bottom", DirectionWord::down},
+      {"left", DirectionWord::left},      {"leftward", DirectionWord::left},   {"leftwards", DirectionWord::left},
+      {"right", DirectionWord::right},    {"rightward", DirectionWord::right}, {"rightwards", DirectionWord::right},
+      {"sideways", DirectionWord::right}, {"sideward", DirectionWord::right},  {"horizontally", DirectionWord::right},
+      {"forward", DirectionWord::toward}, {"forwards", DirectionWord::toward}, {"front", DirectionWord::toward},
+      {"back", DirectionWord::away},      {"behind", DirectionWord::away},     {"backward", DirectionWord::away},
+      {"backwards", DirectionWord::away}, {"away", DirectionWord::away},       {"+x", DirectionWord::plus_x},
+      {"-x", DirectionWord::minus_x},     {"+y", DirectionWord::plus_y},       {"-y", DirectionWord::minus_y},
+      {"+z", DirectionWord::plus_z},      {"-z", DirectionWord::minus_z},
   };
   const auto found = kWords.find(token);
   return found == kWords.end() ? DirectionWord::none : found->second;
@@ -133,19 +162,32 @@ DirectionWord find_direction(const std::string& token) {
 
 DirectionWord opposite(DirectionWord word) {
   switch (word) {
-    case DirectionWord::up: return DirectionWord::down;
-    case DirectionWord::down: return DirectionWord::up;
-    case DirectionWord::left: return DirectionWord::right;
-    case DirectionWord::right: return DirectionWord::left;
-    case DirectionWord::toward: return DirectionWord::away;
-    case DirectionWord::away: return DirectionWord::toward;
-    case DirectionWord::plus_x: return DirectionWord::minus_x;
-    case DirectionWord::minus_x: return DirectionWord::plus_x;
-    case DirectionWord::plus_y: return DirectionWord::minus_y;
-    case DirectionWord::minus_y: return DirectionWord::plus_y;
-    case DirectionWord::plus_z: return DirectionWord::minus_z;
-    case DirectionWord::minus_z: return DirectionWord::plus_z;
-    case DirectionWord::none: break;
+    case DirectionWord::up:
+      return DirectionWord::down;
+    case DirectionWord::down:
+      return DirectionWord::up;
+    case DirectionWord::left:
+      return DirectionWord::right;
+    case DirectionWord::right:
+      return DirectionWord::left;
+    case DirectionWord::toward:
+      return DirectionWord::away;
+    case DirectionWord::away:
+      return DirectionWord::toward;
+    case DirectionWord::plus_x:
+      return DirectionWord::minus_x;
+    case DirectionWord::minus_x:
+      return DirectionWord::plus_x;
+    case DirectionWord::plus_y:
+      return DirectionWord::minus_y;
+    case DirectionWord::minus_y:
+      return DirectionWord::plus_y;
+    case DirectionWord::plus_z:
+      return DirectionWord::minus_z;
+    case DirectionWord::minus_z:
+      return DirectionWord::plus_z;
+    case DirectionWord::none:
+      break;
   }
   return DirectionWord::none;
 }
@@ -154,8 +196,8 @@ double strength_factor(const std::string& token) {
   if (one_of(token, {"gently", "softly", "lightly", "slightly", "slowly", "gentle", "soft", "light", "slight", "slow",
                      "weakly", "weak", "carefully", "barely", "little", "delicately"}))
     return 0.5;
-  if (one_of(token, {"hard", "strongly", "firmly", "forcefully", "fast", "quickly", "heavily", "strong", "firm", "forceful",
-                     "quick", "heavy", "rapidly", "rapid", "swiftly", "sharply", "powerfully"}))
+  if (one_of(token, {"hard", "strongly", "firmly", "forcefully", "fast", "quickly", "heavily", "strong", "firm",
+                     "forceful", "quick", "heavy", "rapidly", "rapid", "swiftly", "sharply", "powerfully"}))
     return 2;
   if (one_of(token, {"violently", "fiercely", "violent", "fierce", "brutally", "furiously"})) return 3;
   return 0;
@@ -168,8 +210,9 @@ double intensifier(const std::string& token) {
 }
 
 bool is_determiner(const std::string& token) {
-  return one_of(token, {"the", "a", "an", "this", "that", "these", "those", "its", "his", "her", "their", "my", "your",
-                        "our", "some", "one", "each", "every", "all", "both", "whole", "entire", "another"});
+  return one_of(token,
+                {"the",  "a",   "an",   "this", "that", "these", "those", "its",  "his",   "her",    "their",  "my",
+                 "your", "our", "some", "one",  "each", "every", "all",   "both", "whole", "entire", "another"});
 }
 
 bool is_pronoun(const std::string& token) {
@@ -182,15 +225,16 @@ bool makes_passive(const std::string& token) {
 
 bool is_auxiliary(const std::string& token) {
   return makes_passive(token) ||
-         one_of(token, {"make",   "makes",  "let",     "lets",     "letting", "start",  "starts", "begin", "begins", "cause",
-                        "causes", "causing", "making", "have",     "has",     "had",    "do",     "does",  "did",    "will",
-                        "would",  "should", "must",    "can",      "could",   "may",    "might",  "keep",  "keeps",  "please",
-                        "watch",  "show",   "see",     "simulate", "imagine", "try",    "tries"});
+         one_of(token,
+                {"make",   "makes",   "let",    "lets",     "letting", "start", "starts", "begin", "begins", "cause",
+                 "causes", "causing", "making", "have",     "has",     "had",   "do",     "does",  "did",    "will",
+                 "would",  "should",  "must",   "can",      "could",   "may",   "might",  "keep",  "keeps",  "please",
+                 "watch",  "show",    "see",    "simulate", "imagine", "try",   "tries"});
 }
 
 bool gives(const std::string& token) {
-  return one_of(token, {"give", "gives", "gave", "given", "giving", "receive", "receives", "apply", "applies", "take",
-                        "takes"});
+  return one_of(
+      token, {"give", "gives", "gave", "given", "giving", "receive", "receives", "apply", "applies", "take", "takes"});
 }
 
 bool is_negation(const std::string& token) {
@@ -207,10 +251,11 @@ bool is_wind(const std::string& noun) {
 }
 
 bool is_external(const std::string& noun) {
-  return is_wind(noun) || one_of(noun, {"hand", "finger", "fist", "palm", "thumb", "foot", "someone", "somebody", "person",
-                                        "man", "woman", "child", "i", "you", "we", "force", "weight", "plate", "press",
-                                        "thing", "something", "user", "player", "boy", "girl", "people", "gravity", "piston",
-                                        "camera", "viewer"});
+  return is_wind(noun) ||
+         one_of(noun, {"hand",   "finger", "fist",    "palm",   "thumb",     "foot",  "someone", "somebody",
+                       "person", "man",    "woman",   "child",  "i",         "you",   "we",      "force",
+                       "weight", "plate",  "press",   "thing",  "something", "user",  "player",  "boy",
+                       "girl",   "people", "gravity", "piston", "camera",    "viewer"});
 }
 
 bool is_ground(const std::string& noun) {
@@ -219,10 +264,11 @@ bool is_ground(const std::string& noun) {
 }
 
 bool is_filler(const std::string& token) {
-  return one_of(token, {"there", "here", "also", "again", "once", "twice", "suddenly", "finally", "just", "only", "now",
-                        "first", "later", "together", "straight", "directly", "side", "direction", "way", "air", "place",
-                        "order", "bit", "amount", "top", "front", "back", "end", "freely", "under", "gravity", "apart",
-                        "open", "over", "motion", "force", "axis", "along"});
+  return one_of(token, {"there", "here",      "also",   "again", "once",   "twice",    "suddenly", "finally",
+                        "just",  "only",      "now",    "first", "later",  "together", "straight", "directly",
+                        "side",  "direction", "way",    "air",   "place",  "order",    "bit",      "amount",
+                        "top",   "front",     "back",   "end",   "freely", "under",    "gravity",  "apart",
+                        "open",  "over",      "motion", "force", "axis",   "along"});
 }
 
 std::optional<ActionRange> range_of(ActionType type) {

@@ -31,7 +31,21 @@ struct Verb {
 std::optional<Verb> find_verb(const std::string& token);
 
 // Directions as seen in the front view. `toward`: out of the image to the viewer; `away`: into the image.
-enum class DirectionWord { none, up, down, left, right, toward, away, plus_x, minus_x, plus_y, minus_y, plus_z, minus_z };
+enum class DirectionWord {
+  none,
+  up,
+  down,
+  left,
+  right,
+  toward,
+  away,
+  plus_x,
+  minus_x,
+  plus_y,
+  minus_y,
+  plus_z,
+  minus_z
+};
 
 // "down", "leftwards", "forward", "+x", ...; none for other tokens. Whether a word such as "left" means a direction in
 // its place is for the parser to judge.
@@ -46,15 +60,15 @@ double intensifier(const std::string& token);
 
 bool is_determiner(const std::string& token);
 bool is_pronoun(const std::string& token);
-bool is_auxiliary(const std::string& token);    // be, get, make, let, start, ...: no event of their own
-bool makes_passive(const std::string& token);   // the forms of be and get
-bool gives(const std::string& token);           // light verbs: "give it a push"
-bool is_negation(const std::string& token);     // not, never, without
-bool ends_clause(const std::string& token);     // and, then, while, "," ...
-bool is_external(const std::string& noun);      // hand, someone, wind: acts from outside the scene
-bool is_wind(const std::string& noun);          // wind, breeze, gust: its push is an impulse
-bool is_ground(const std::string& noun);        // floor, table: what the run's colliders stand for
-bool is_filler(const std::string& token);       // words that carry nothing for the plan
+bool is_auxiliary(const std::string& token);   // be, get, make, let, start, ...: no event of their own
+bool makes_passive(const std::string& token);  // the forms of be and get
+bool gives(const std::string& token);          // light verbs: "give it a push"
+bool is_negation(const std::string& token);    // not, never, without
+bool ends_clause(const std::string& token);    // and, then, while, "," ...
+bool is_external(const std::string& noun);     // hand, someone, wind: acts from outside the scene
+bool is_wind(const std::string& noun);         // wind, breeze, gust: its push is an impulse
+bool is_ground(const std::string& noun);       // floor, table: what the run's colliders stand for
+bool is_filler(const std::string& token);      // words that carry nothing for the plan
 
 // Bounds and defaults of the actions that the compiler can emit (m/s of solver space, seconds, fractions of the run's
 // duration). The paper bounds magnitudes without printing the bounds: these are ours (docs/method-lifting.md).

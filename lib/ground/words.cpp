@@ -60,8 +60,8 @@ std::vector<std::string> tokens_of(const std::string& original) {
     } else if (is_digit(c)) {
       while (i < text.size() && (is_digit(text[i]) || (text[i] == '.' && i + 1 < text.size() && is_digit(text[i + 1]))))
         token += text[i++];
-    } else if ((c == '+' || c == '-') && i + 1 < text.size() && lower(text[i + 1]) >= 'x' && lower(text[i + 1]) <= 'z' &&
-               (i + 2 == text.size() || !is_letter(text[i + 2]))) {
+    } else if ((c == '+' || c == '-') && i + 1 < text.size() && lower(text[i + 1]) >= 'x' &&
+               lower(text[i + 1]) <= 'z' && (i + 2 == text.size() || !is_letter(text[i + 2]))) {
       token = {c, lower(text[i + 1])};
       i += 2;
     } else {
@@ -83,10 +83,10 @@ std::vector<std::string> name_words(const std::string& name) {
 
 std::string singular(const std::string& noun) {
   static const std::vector<std::pair<std::string, std::string>> kIrregular = {
-      {"leaves", "leaf"},   {"knives", "knife"},  {"halves", "half"},    {"shelves", "shelf"}, {"feet", "foot"},
-      {"teeth", "tooth"},   {"people", "person"}, {"children", "child"}, {"mice", "mouse"},    {"geese", "goose"},
-      {"loaves", "loaf"},   {"wolves", "wolf"},   {"scarves", "scarf"},  {"canvas", "canvas"}, {"gas", "gas"},
-      {"chassis", "chassis"}};
+      {"leaves", "leaf"},   {"knives", "knife"},  {"halves", "half"},   {"shelves", "shelf"},
+      {"feet", "foot"},     {"teeth", "tooth"},   {"people", "person"}, {"children", "child"},
+      {"mice", "mouse"},    {"geese", "goose"},   {"loaves", "loaf"},   {"wolves", "wolf"},
+      {"scarves", "scarf"}, {"canvas", "canvas"}, {"gas", "gas"},       {"chassis", "chassis"}};
   for (const auto& [plural, base] : kIrregular) {
     if (noun == plural) return base;
   }

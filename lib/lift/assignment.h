@@ -1,0 +1,51 @@
+// From masks to one row per Gaussian (paper, Eqs. objectscore and partscore, Appendix "Object-Part Lifting").
+#ifndef PHYSMAS_LIFT_ASSIGNMENT_H
+#define PHYSMAS_LIFT_ASSIGNMENT_H
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "records/inventory.h"
+#include "records/masks.h"
+#include "scene/camera.h"
+
+namespace physmas::lift {
+
+struct Labels {
+  std::vector<int32_t> object;  // [N] index into inventory.objects
+  std::vector<int32_t> row;     // [N] index into inventory.rows, of that object
+  std::vector<float>
+      confidence;  // [N] 0..1: mean part evidence over Omega_i; at most 0.20 for residual, voted and rescued ones
+  // How they came about.
+  struct Counts {
+    long unseen = 0;        // Gaussians in no view
+    long object_votes = 0;  // ambiguous ones that their neighbours decided
+    long part_votes = 0;
+    long residual = 0;  // in a residual row at the end
+    long rescued = 0;   // out of a residual row by the cleanup pass
+  } counts;
+};
+
+// means: scene space, file order. cameras and views: the same views in the same order. Every object needs a residual
+// row. The result does not depend on the number of threads.
+//
+// Objects first: b_io sums the support of object o's masks over the views of Omega_i, plus the area tie-break. A
+// Gaussian is ambiguous when its margin (best - second)/best is below 0.18 or when nothing but the tie-break supports
+// it; it then takes the vote of the reliable Gaussians (margin from 0.30) among its 12 nearest, all at once. Parts
+// then compare within the object only, with the votes of the 16 nearest of that object. What nothing supports and no
+// reliable neighbour decides is residual; the cleanup pass hands each row the nearest of the residual Gaussians whose
+// nearest labelled Gaussian has that row, up to the rescue target.
+Labels assign_rows(const std::vector<Eigen::Vector3f>& means, const std::vector<Camera>& cameras,
+                   const std::vector<ViewMasks>& views, const Inventory& inventory);
+
+// min(candidates, max(64, round(0.003 N_G))), round half away from zero.
+long rescue_target(long candidates, long gaussians);
+
+// Index of object o's residual row, -1 when it has none.
+int residual_row_of(const Inventory& inventory, int o);
+
+}  // namespace physmas::lift
+
+#endif

@@ -1,0 +1,50 @@
+#include "lift/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace physmas::lift {
+
+std::vector<float> support_of(const Mask& mask) {
+  if (mask.empty()) return {};
+  const cv::Mat inside(mask.height, mask.width, CV_8U, const_cast<uint8_t*>(mask.pixels.data()));
+  const double confidence = std::max(mask.confidence, kConfidenceFloor);
+  const int area = cv::countNonZero(inside);
+  std::vector<float> support(mask.pixels.size(), 0.0f);
+  if (area == 0) return support;
+  if (area == static_cast<int>(mask.pixels.size())) {
+    std::fill(support.begin(), support.end(), static_cast<float>(confidence * kSupportHigh));
+    return support;
+  }
+  cv::Mat distance;
+  cv::distanceTransform(inside, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  double largest = 0;
+  cv::minMaxLoc(distance, nullptr, &largest);
+  for (int y = 0; y < mask.height; ++y) {
+    const float* d = distance.ptr<float>(y);
+    for (int x = 0; x < mask.width; ++x) {
+      if (d[x] <= 0) continue;
+      const double share = kSupportLow + (kSupportHigh - kSupportLow) * (d[x] / largest);
+      support[static_cast<size_t>(y) * mask.width + x] = static_cast<float>(confidence * share);
+    }
+  }
+  return support;
+}
+
+std::vector<int32_t> project_to_pixels(const std::vector<Eigen::Vector3f>& means, const Camera& camera) {
+  std::vector<int32_t> pixel(means.size(), -1);
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < means.size(); ++i) {
+    const Eigen::Vector3d q = camera.to_camera(means[i].cast<double>());
+    if (!(q.z() > 0)) continue;
+    const Eigen::Vector2d u = camera.project(q);
+    // Pixel i covers [i, i + 1).
+    if (!(u.x() >= 0 && u.x() < camera.width && u.y() >= 0 && u.y() < camera.height)) continue;
+    pixel[i] = static_cast<int32_t>(u.y()) * camera.width + static_cast<int32_t>(u.x());
+  }
+  return pixel;
+}
+
+}  // namespace physmas::lift

@@ -1,0 +1,83 @@
+#include "lift/neighbors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nanoflann.hpp>
+
+namespace physmas::lift {
+namespace {
+
+// nanoflann's view of the subset.
+struct Cloud {
+  const std::vector<Eigen::Vector3f>& points;
+  const std::vector<int32_t>& subset;
+  size_t kdtree_get_point_count() const { return subset.size(); }
+  double kdtree_get_pt(size_t i, size_t axis) const { return points[subset[i]][static_cast<int>(axis)]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+// The k best by distance, then by index. nanoflann offers a point only when it is nearer than worstDist(), so that
+// answers just above the worst distance that still counts: points at equal distance get through.
+class OrderedResults {
+ public:
+  OrderedResults(size_t capacity, const std::vector<int32_t>& subset) : capacity_(capacity), subset_(subset) {}
+  size_t size() const { return found_.size(); }
+  bool full() const { return found_.size() == capacity_; }
+  double worstDist() const { return worst_; }
+  bool addPoint(double squared, uint32_t position) {
+    const Neighbor offered{subset_[position], squared};
+    const auto before = [](const Neighbor& a, const Neighbor& b) {
+      return a.squared < b.squared || (a.squared == b.squared && a.index < b.index);
+    };
+    found_.insert(std::upper_bound(found_.begin(), found_.end(), offered, before), offered);
+    if (found_.size() > capacity_) found_.pop_back();
+    if (full()) worst_ = std::nextafter(found_.back().squared, std::numeric_limits<double>::infinity());
+    return true;
+  }
+  std::vector<Neighbor> take() { return std::move(found_); }
+
+ private:
+  size_t capacity_;
+  const std::vector<int32_t>& subset_;
+  std::vector<Neighbor> found_;
+  double worst_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+struct NeighborSearch::Tree {
+  using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3, uint32_t>;
+  Cloud cloud;
+  Index index;
+  Tree(const std::vector<Eigen::Vector3f>& points, const std::vector<int32_t>& subset)
+      : cloud{points, subset}, index(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {}
+};
+
+NeighborSearch::NeighborSearch(const std::vector<Eigen::Vector3f>& points, std::vector<int32_t> subset)
+    : points_(points), subset_(std::move(subset)) {
+  if (!subset_.empty()) tree_ = std::make_unique<Tree>(points_, subset_);
+}
+
+NeighborSearch::~NeighborSearch() = default;
+
+std::vector<Neighbor> NeighborSearch::nearest(const Eigen::Vector3f& query, int count) const {
+  if (subset_.empty() || count <= 0) return {};
+  OrderedResults results(std::min<size_t>(count, subset_.size()), subset_);
+  const Eigen::Vector3d q = query.cast<double>();
+  tree_->index.findNeighbors(results, q.data(), nanoflann::SearchParams());
+  return results.take();
+}
+
+std::vector<Neighbor> NeighborSearch::around(int32_t self, int count) const {
+  std::vector<Neighbor> found = nearest(points_[self], count + 1);
+  const auto own = std::find_if(found.begin(), found.end(), [&](const Neighbor& n) { return n.index == self; });
+  if (own != found.end()) found.erase(own);
+  if (found.size() > static_cast<size_t>(count)) found.resize(count);
+  return found;
+}
+
+}  // namespace physmas::lift

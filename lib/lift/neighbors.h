@@ -1,0 +1,42 @@
+// Nearest Gaussians, exactly and in a fixed order.
+#ifndef PHYSMAS_LIFT_NEIGHBORS_H
+#define PHYSMAS_LIFT_NEIGHBORS_H
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace physmas::lift {
+
+struct Neighbor {
+  int32_t index;   // into the points that the search was made from
+  double squared;  // squared distance
+};
+
+// A k-d tree over a subset of points. Distances are computed in double; equal distances come in order of the index, so
+// that the answer does not depend on how the tree was cut. Queries may run in parallel.
+class NeighborSearch {
+ public:
+  // points: must outlive the search. subset: indices into it, ascending; may be empty.
+  NeighborSearch(const std::vector<Eigen::Vector3f>& points, std::vector<int32_t> subset);
+  ~NeighborSearch();
+  NeighborSearch(const NeighborSearch&) = delete;
+  NeighborSearch& operator=(const NeighborSearch&) = delete;
+
+  // The min(count, size of the subset) nearest, by distance, then by index.
+  std::vector<Neighbor> nearest(const Eigen::Vector3f& query, int count) const;
+  // As nearest(points[self], count) without `self`.
+  std::vector<Neighbor> around(int32_t self, int count) const;
+  bool empty() const { return subset_.empty(); }
+
+ private:
+  struct Tree;
+  const std::vector<Eigen::Vector3f>& points_;
+  std::vector<int32_t> subset_;
+  std::unique_ptr<Tree> tree_;
+};
+
+}  // namespace physmas::lift
+
+#endif
