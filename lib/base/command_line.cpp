@@ -26,6 +26,14 @@ std::string version_text(const std::string& tool) {
                      features);
 }
 
+// An option given twice takes its last value, so that a script can append to a command.
+void last_value_wins(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_expected_max() == 1) option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  }
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) last_value_wins(*command);
+}
+
 }  // namespace
 
 void require_device_available(const std::string& device) {
@@ -61,6 +69,7 @@ int run_tool(int argc, char** argv, const ToolMain& tool) {
       ->group("Common");
   app.add_flag("--quiet", quiet, "Print errors only")->group("Common");
   app.set_version_flag("--version", version_text(tool.name));
+  last_value_wins(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {

@@ -34,7 +34,13 @@ class Handle {
 };
 
 // The library prints to stderr by itself; our messages replace that.
-void silence_hdf5() {
+void prepare_hdf5() {
+  // After a failed flush (a full disk) the library's exit handler would try again and crash. Every file is closed by its
+  // owner here, so nothing is left for that handler to do. It must be switched off before the library starts.
+  static const herr_t no_exit_handler = H5dont_atexit();
+  static_cast<void>(no_exit_handler);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
@@ -84,7 +90,7 @@ bool matches_type(hid_t dataset) {
 }  // namespace
 
 Hdf5Reader::Hdf5Reader(const std::string& path, const std::string& record) : path_(path) {
-  silence_hdf5();
+  prepare_hdf5();
   if (FILE* probe = std::fopen(path.c_str(), "rb")) {
     std::fclose(probe);
   } else {
@@ -246,7 +252,7 @@ std::string Hdf5Reader::read_text_attribute(const std::string& object, const std
 
 Hdf5Writer::Hdf5Writer(const std::string& path, const std::string& record, const Provenance& provenance)
     : path_(path), out_(path) {
-  silence_hdf5();
+  prepare_hdf5();
   file_ = H5Fcreate(out_.temporary_path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   if (file_ < 0) fail("/");
   write_text_attribute("/", "schema", "physmas/" + record + "/1");

@@ -1,0 +1,32 @@
+load tiny
+
+setup_file() { make_tiny_run; }
+setup() { enter_tiny_run; }
+
+motion() { "$bin/pm-eval" motion --scene bundle/scene.json --inventory inventory.json --state state.h5 --rollout rollouts/support-stiff.h5 --reference rollouts/support-stiff.h5 --out metrics.json "$@"; }
+
+@test "pm-eval: help and usage" {
+  shows_help pm-eval
+  fails_with 2 "$bin/pm-eval" -- "pm-eval"
+  fails_with 2 motion --target nothing -- "--target" "lollipop"
+}
+
+@test "pm-eval motion: a run against itself has no error" {
+  motion
+  grep -A2 '"trajectory_nrmse"' metrics.json | grep -q '"value": 0.0'
+  grep -A2 '"area_log_rmse"' metrics.json | grep -q '"value": 0.0'
+  grep -A2 '"strain_rmse"' metrics.json | grep -q '"value": 0.0'
+}
+
+@test "pm-eval motion: a run of fewer frames is invalid, not zero" {
+  "$bin/pm-simulate" --scene bundle/scene.json --state state.h5 --candidate candidates/support-stiff.json --out rollouts/short.h5 --frames 3
+  motion --rollout rollouts/short.h5
+  [ "$(grep -c '"status": "invalid"' metrics.json)" -eq 3 ]
+  ! grep -q '"value"' metrics.json
+}
+
+@test "pm-eval motion: softer material moves differently" {
+  "$bin/pm-simulate" --scene bundle/scene.json --state state.h5 --candidate candidates/support-stiff.json --out rollouts/coarse.h5 --grid 16
+  motion --rollout rollouts/coarse.h5 --target lollipop
+  ! grep -A2 '"trajectory_nrmse"' metrics.json | grep -q '"value": 0.0,'
+}

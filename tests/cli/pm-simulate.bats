@@ -1,0 +1,90 @@
+load tiny
+
+setup_file() { make_tiny_run; }
+setup() { enter_tiny_run; }
+
+@test "pm-simulate: help and usage" {
+  shows_help pm-simulate
+  fails_with 2 "$bin/pm-simulate" -- "--scene"
+  fails_with 2 simulate --nonsense -- "--nonsense"
+  fails_with 2 simulate --precision half -- "half"
+  fails_with 2 simulate --timestep soon -- "--timestep" "soon"
+  fails_with 2 simulate --timestep cfl -- "not built yet"
+  fails_with 2 simulate --device cuda -- "CUDA"
+  fails_with 2 simulate --out rollouts/x.txt -- ".h5"
+}
+
+@test "pm-simulate: a rollout and its record" {
+  [ -s rollouts/support-stiff.h5 ]
+  grep -q '"status": "stable"' rollouts/support-stiff.json
+  grep -q '"frames": 6' rollouts/support-stiff.json
+  grep -q '"particle_steps_per_second"' rollouts/support-stiff.json
+}
+
+@test "pm-simulate: equal input gives equal bytes, whatever the thread count, and keeps the timestamp" {
+  before=$(stat -c %y rollouts/support-stiff.h5)
+  sleep 0.05
+  simulate --threads 1
+  simulate --threads 3
+  [ "$(stat -c %y rollouts/support-stiff.h5)" = "$before" ]
+}
+
+@test "pm-simulate: a diverged simulation is a result, and an error with --strict" {
+  # 3e11 Pa at the step of a softer candidate cannot be integrated.
+  edit candidates/support-stiff.json 's/"E": [0-9.e+]+/"E": 3e11/'
+  simulate --quiet
+  grep -q '"status": "diverged"' rollouts/support-stiff.json
+  grep -Eq '"first_bad_step": [0-9]+' rollouts/support-stiff.json
+  run simulate --strict
+  [ "$status" -eq 5 ]
+}
+
+@test "pm-simulate: options change the numerics and are recorded" {
+  simulate --precision double --grid 20 --frames 3 --timestep 4e-4
+  grep -q '"precision": "double"' rollouts/support-stiff.json
+  grep -q '"per_frame": 100' rollouts/support-stiff.json
+  grep -q '"frames": 3' rollouts/support-stiff.json
+}
+
+@test "pm-simulate: missing and malformed inputs" {
+  fails_with 3 simulate --scene missing.json -- "missing.json" "No such file"
+  echo '{"schema": ' >bad.json
+  fails_with 3 simulate --scene bad.json -- "bad.json" "line" "malformed"
+  fails_with 3 simulate --scene inventory.json -- "/schema" "physmas/inventory/1" "physmas/scene/1"
+  fails_with 3 simulate --candidate plan.json -- "/schema" "physmas/candidate/1"
+  edit candidates/support-stiff.json 's/"round": 0/"round": 0, "colour": "red"/'
+  fails_with 3 simulate -- "colour"
+}
+
+@test "pm-simulate: impossible candidates" {
+  cp candidates/support-stiff.json good.json
+  edit candidates/support-stiff.json '0,/"nu": [0-9.]+/s//"nu": 0.5/'
+  fails_with 3 simulate -- "/rows/0/nu" "0.5"
+  cp good.json candidates/support-stiff.json
+  edit candidates/support-stiff.json '0,/"E": [0-9.e+]+/s//"E": -1/'
+  fails_with 3 simulate -- "/rows/0/E" "-1"
+  cp good.json candidates/support-stiff.json
+  edit candidates/support-stiff.json 's#lollipop/candy#lollipop/sugar#'
+  fails_with 3 simulate -- "lollipop/sugar"
+}
+
+@test "pm-simulate: HDF5 that is cut short or of another shape" {
+  head -c 1000 state.h5 >cut.h5
+  fails_with 3 simulate --state cut.h5 -- "cut.h5" "HDF5"
+  fails_with 3 simulate --state rollouts/support-stiff.h5 -- "/@schema" "physmas/rollout/1"
+  echo "not HDF5" >text.h5
+  fails_with 3 simulate --state text.h5 -- "text.h5"
+}
+
+@test "pm-simulate: a place that cannot be written leaves nothing" {
+  touch file
+  fails_with 3 simulate --out file/x.h5 -- "file/x.h5"
+  if mount -t tmpfs -o size=16k tmpfs "$(mkdir -p full && echo full)" 2>/dev/null; then
+    status=0
+    fails_with 3 simulate --out full/x.h5 -- "full/x.h5" || status=$?
+    left=$(ls -A full)
+    umount full
+    [ "$status" -eq 0 ]
+    [ -z "$left" ]
+  fi
+}
