@@ -19,9 +19,6 @@ namespace {
 constexpr double kSafeCells = 2;
 // A sort is due before particles could drift this far [cells]: the arenas leave room for one cell.
 constexpr double kDriftLimit = 0.999;
-// Fewer particles than this per thread are not worth waking a thread for.
-constexpr int kParticlesPerThread = 250;
-
 // Zeroed memory, aligned to a cache line. Pages that are never touched cost nothing, so a dense table of grid blocks
 // only uses memory where material has been.
 template <class T>
@@ -95,7 +92,7 @@ class TypedStepper final : public Stepper {
   template <bool kGather, bool kScatter>
   void pass(double dt, StepReport& report);
   template <bool kGather, bool kScatter>
-  void process_block(int block, double dt, Scratch& scratch);
+  void process_block(int block, double dt);
   void grid_update(double dt, StepReport& report);
   double update_grid_block(const GridBlock& block, double dt);
   void load_arena(const ParticleBlock& block, T* arena) const;
@@ -103,7 +100,6 @@ class TypedStepper final : public Stepper {
   Mat3<V> update_stress(int group, int first, const MaterialParameters<V>& p, const V& dt, Mat3<V>& F,
                         V& strength) const;
   bool near_obstacle(const GridBlock& block) const;
-  int thread_count() const;
 
   StepperSetup setup_;
   double dx_;
@@ -151,11 +147,6 @@ TypedStepper<T>::TypedStepper(const StepperSetup& setup)
   for (const auto& p : setup_.parameters) parameters_.push_back(convert_parameters<T>(p));
   for (const int row : setup_.row) uses_strength_ = uses_strength_ || setup_.branches[row] == Branch::plasticine;
   velocity_.resize(static_cast<size_t>(map_.grid_block_count()) * kBlockNodes * 4);
-}
-
-template <class T>
-int TypedStepper<T>::thread_count() const {
-  return std::max(1, std::min(setup_.threads, static_cast<int>(setup_.row.size()) / kParticlesPerThread));
 }
 
 template <class T>
@@ -291,8 +282,7 @@ void TypedStepper<T>::resort(StepReport& report) {
   for (auto& f : v_) f.resize(slots_);
   for (auto& f : C_) f.resize(slots_);
   const int blocks = static_cast<int>(map_.particle_blocks.size());
-#pragma omp parallel for schedule(static) num_threads(thread_count())
-  for (int b = 0; b < blocks; ++b) {
+  setup_.team->for_each(blocks, [&](int b) {
     const ParticleBlock& block = map_.particle_blocks[b];
     const int end = block.begin + (block.count + W - 1) / W * W;
     for (int s = block.begin; s < end; ++s) {
@@ -310,7 +300,7 @@ void TypedStepper<T>::resort(StepReport& report) {
         field_back_[axis][s] += T(kBlock * (old_blocks[block_of[from]].position[axis] - block.position[axis]));
       }
     }
-  }
+  });
   for (int f = 0; f < kFields; ++f) field_[f].swap(field_back_[f]);
   volume_.swap(volume_back_);
   particle_.swap(particle_back_);
@@ -380,8 +370,12 @@ template <class T>
 void TypedStepper<T>::grid_update(double dt, StepReport& report) {
   const Stopwatch watch;
   const int count = static_cast<int>(map_.grid_blocks.size());
-#pragma omp parallel for schedule(dynamic, 8) num_threads(thread_count())
-  for (int b = 0; b < count; ++b) grid_speed_[b] = update_grid_block(map_.grid_blocks[b], dt);
+  constexpr int kChunk = 8;  // a block alone is less than a microsecond
+  setup_.team->for_each((count + kChunk - 1) / kChunk, [&](int chunk) {
+    for (int b = chunk * kChunk; b < std::min(count, (chunk + 1) * kChunk); ++b) {
+      grid_speed_[b] = update_grid_block(map_.grid_blocks[b], dt);
+    }
+  });
   double speed = 0;
   for (const double s : grid_speed_) speed = std::max(speed, s);
   // Particle velocities are convex combinations of node velocities, so none is faster than the fastest node.
@@ -525,10 +519,15 @@ Mat3<typename TypedStepper<T>::V> TypedStepper<T>::update_stress(int group, int 
 
 template <class T>
 template <bool kGather, bool kScatter>
-void TypedStepper<T>::process_block(int index, double dt, Scratch& scratch) {
+void TypedStepper<T>::process_block(int index, double dt) {
+  Scratch scratch;
   const ParticleBlock& block = map_.particle_blocks[index];
   T* const out = arenas_.data() + static_cast<size_t>(index) * kArenaNumbers;
-  if (kGather) load_arena(block, scratch.arena);
+  if (kGather) {
+    // The fourth node of a row is read with weight zero, also where nothing was loaded.
+    std::memset(scratch.arena, 0, sizeof(scratch.arena));
+    load_arena(block, scratch.arena);
+  }
   if (kScatter) {
     for (int x = block.low[0]; x <= block.high[0]; ++x) {
       std::memset(out + 4 * kArena * (kArena * x + block.low[1]), 0,
@@ -707,12 +706,7 @@ template <bool kGather, bool kScatter>
 void TypedStepper<T>::pass(double dt, StepReport& report) {
   const Stopwatch watch;
   const int count = static_cast<int>(map_.particle_blocks.size());
-#pragma omp parallel num_threads(thread_count())
-  {
-    Scratch scratch;
-#pragma omp for schedule(dynamic, 1)
-    for (int b = 0; b < count; ++b) process_block<kGather, kScatter>(b, dt, scratch);
-  }
+  setup_.team->for_each(count, [&](int b) { process_block<kGather, kScatter>(b, dt); });
   double kinetic = 0, speed_squared = 0;
   long long clamped = 0;
   for (const BlockReport& r : reports_) {
@@ -777,8 +771,7 @@ ElasticSummary summarise_elastic(const StepperSetup& setup, const State& state) 
   const int count = static_cast<int>(state.size());
   const int chunks = (count + kChunk - 1) / kChunk;
   std::vector<ElasticSummary> partial(chunks);
-#pragma omp parallel for schedule(static) num_threads(setup.threads)
-  for (int chunk = 0; chunk < chunks; ++chunk) {
+  setup.team->for_each(chunks, [&](int chunk) {
     const int end = std::min(count, (chunk + 1) * kChunk);
     ElasticSummary& out = partial[chunk];
     for (int first = chunk * kChunk; first < end; first += W) {
@@ -807,7 +800,7 @@ ElasticSummary summarise_elastic(const StepperSetup& setup, const State& state) 
         }
       }
     }
-  }
+  });
   ElasticSummary total;
   for (const ElasticSummary& p : partial) {
     total.energy += p.energy;

@@ -2,13 +2,12 @@
 //
 // Each case is a cube of jittered particles, rotated against the grid, that falls and is squeezed or sheared by its
 // initial velocity field, so that return maps are at work. Usage: bench_mpm [particles ...]
-#include <omp.h>
-
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/clock.h"
@@ -86,7 +85,7 @@ int main(int argc, char** argv) {
       "case\tprecision\tthreads\tparticles\tsteps\tmillion particle-steps/s\tprocessor ns/particle-step\tparticles "
       "us/step\tgrid us/step\t"
       "sort us/step\ttotal us/step\tsorts\tstatus\n");
-  const int cores = omp_get_max_threads();
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
   std::vector<int> thread_counts = {1};
   if (cores > 1) thread_counts.push_back(cores);
   for (const int size : sizes) {
