@@ -21,7 +21,7 @@ constexpr double kStretchFloor = 0.05;
 constexpr double kDeformationCap = 1e3;
 
 template <class T>
-inline Mat3<T> cap_deformation(const Mat3<T>& F) {
+PHYSMAS_INLINE Mat3<T> cap_deformation(const Mat3<T>& F) {
   const T cap(static_cast<Scalar<T>>(kDeformationCap));
   const T largest = largest_entry(F);
   return select(largest > cap, cap / at_least(largest, cap), T(1)) * F;
@@ -37,7 +37,7 @@ struct JellyTerms {
 
 // Below the floor J0, g and U are continued by their tangents.
 template <class T>
-inline JellyTerms<T> jelly_terms(const T& J) {
+PHYSMAS_INLINE JellyTerms<T> jelly_terms(const T& J) {
   const T floor(static_cast<Scalar<T>>(kStretchFloor));
   const T Jc = at_least(J, floor);
   const T logJ = natural_log(Jc);
@@ -52,7 +52,7 @@ inline JellyTerms<T> jelly_terms(const T& J) {
 
 // τ = μ (g b + g' J/2 tr(b) I) + κ U' J I; above the floor that is μ J^(−2/3) dev b + κ/2 (J² − 1) I.
 template <class T>
-inline Mat3<T> jelly_stress(const Mat3<T>& F_any, const T& mu, const T& bulk) {
+PHYSMAS_INLINE Mat3<T> jelly_stress(const Mat3<T>& F_any, const T& mu, const T& bulk) {
   const Mat3<T> F = cap_deformation(F_any);
   const T J = determinant(F);
   const JellyTerms<T> j = jelly_terms(J);
@@ -65,7 +65,7 @@ inline Mat3<T> jelly_stress(const Mat3<T>& F_any, const T& mu, const T& bulk) {
 
 // Energy per rest volume [J/m^3].
 template <class T>
-inline T jelly_energy(const Mat3<T>& F_any, const T& mu, const T& bulk) {
+PHYSMAS_INLINE T jelly_energy(const Mat3<T>& F_any, const T& mu, const T& bulk) {
   const Mat3<T> F = cap_deformation(F_any);
   const JellyTerms<T> j = jelly_terms(determinant(F));
   return Scalar<T>(0.5) * mu * (j.g * squared_norm(F) - T(3)) + bulk * j.U;
@@ -74,7 +74,7 @@ inline T jelly_energy(const Mat3<T>& F_any, const T& mu, const T& bulk) {
 // ---- Metal: fixed corotated (Stomakhin et al. 2012), Ψ = μ |F − R|² + λ/2 (J − 1)².
 
 template <class T>
-inline Mat3<T> metal_stress(const Mat3<T>& F_any, const T& mu, const T& lambda) {
+PHYSMAS_INLINE Mat3<T> metal_stress(const Mat3<T>& F_any, const T& mu, const T& lambda) {
   const Mat3<T> F = cap_deformation(F_any);
   const Mat3<T> R = polar_rotation(F);
   const T J = determinant(F);
@@ -85,7 +85,7 @@ inline Mat3<T> metal_stress(const Mat3<T>& F_any, const T& mu, const T& lambda) 
 }
 
 template <class T>
-inline T metal_energy(const Mat3<T>& F_any, const T& mu, const T& lambda) {
+PHYSMAS_INLINE T metal_energy(const Mat3<T>& F_any, const T& mu, const T& lambda) {
   const Mat3<T> F = cap_deformation(F_any);
   const T volume = determinant(F) - T(1);
   return mu * squared_norm(F - polar_rotation(F)) + Scalar<T>(0.5) * lambda * volume * volume;
@@ -94,12 +94,12 @@ inline T metal_energy(const Mat3<T>& F_any, const T& mu, const T& lambda) {
 // ---- Hencky elasticity, Ψ = μ |ε|² + λ/2 (tr ε)² with ε the logarithms of the principal stretches.
 
 template <class T>
-inline T sum(const Vec3<T>& a) {
+PHYSMAS_INLINE T sum(const Vec3<T>& a) {
   return a.x + a.y + a.z;
 }
 // a minus its mean: the deviator of a principal tensor.
 template <class T>
-inline Vec3<T> deviator(const Vec3<T>& a) {
+PHYSMAS_INLINE Vec3<T> deviator(const Vec3<T>& a) {
   const T mean = Scalar<T>(1.0 / 3.0) * sum(a);
   return {a.x - mean, a.y - mean, a.z - mean};
 }
@@ -112,7 +112,7 @@ struct Stretches {
 };
 
 template <class T>
-inline Stretches<T> stretches(const Mat3<T>& F) {
+PHYSMAS_INLINE Stretches<T> stretches(const Mat3<T>& F) {
   const T floor(static_cast<Scalar<T>>(kStretchFloor));
   Stretches<T> r;
   r.svd = svd(cap_deformation(F));
@@ -126,7 +126,7 @@ inline Stretches<T> stretches(const Mat3<T>& F) {
 
 // Principal Kirchhoff stresses 2 μ ε_i + λ tr ε.
 template <class T>
-inline Vec3<T> hencky_principal(const Vec3<T>& strain, const T& mu, const T& lambda) {
+PHYSMAS_INLINE Vec3<T> hencky_principal(const Vec3<T>& strain, const T& mu, const T& lambda) {
   const T volumetric = lambda * sum(strain);
   Vec3<T> tau;
   for (int i = 0; i < 3; ++i) tau[i] = (mu + mu) * strain[i] + volumetric;
@@ -134,7 +134,7 @@ inline Vec3<T> hencky_principal(const Vec3<T>& strain, const T& mu, const T& lam
 }
 
 template <class T>
-inline Mat3<T> hencky_stress(const Mat3<T>& F, const T& mu, const T& lambda) {
+PHYSMAS_INLINE Mat3<T> hencky_stress(const Mat3<T>& F, const T& mu, const T& lambda) {
   const Stretches<T> q = stretches(F);
   Vec3<T> tau = hencky_principal(q.strain, mu, lambda);
   for (int i = 0; i < 3; ++i) tau[i] = tau[i] * q.inside[i];
@@ -142,7 +142,7 @@ inline Mat3<T> hencky_stress(const Mat3<T>& F, const T& mu, const T& lambda) {
 }
 
 template <class T>
-inline T hencky_energy(const Mat3<T>& F, const T& mu, const T& lambda) {
+PHYSMAS_INLINE T hencky_energy(const Mat3<T>& F, const T& mu, const T& lambda) {
   const Stretches<T> q = stretches(F);
   const Vec3<T> tau = hencky_principal(q.strain, mu, lambda);
   const T volumetric = sum(q.strain);
@@ -157,7 +157,7 @@ inline T hencky_energy(const Mat3<T>& F, const T& mu, const T& lambda) {
 // Drucker–Prager stress cone |dev τ| <= max(0, k − α tr τ). Beyond the apex the hydrostatic tension is cut to k/α, so
 // the result is always on or inside the cone.
 template <class T>
-inline Vec3<T> project_to_cone(const Vec3<T>& tau, const T& alpha, const T& k) {
+PHYSMAS_INLINE Vec3<T> project_to_cone(const Vec3<T>& tau, const T& alpha, const T& k) {
   const T apex = k / at_least(alpha, T(kTiny<T>));
   const T pressure_sum = at_most(sum(tau), apex);
   const Vec3<T> s = deviator(tau);
@@ -171,7 +171,8 @@ inline Vec3<T> project_to_cone(const Vec3<T>& tau, const T& alpha, const T& k) {
 // Sand's return map (Klar et al. 2016, without their volume correction): tension returns to the apex (no strain),
 // anything else to the cone along the deviator. `moved` reports lanes whose strain changed.
 template <class T, class Condition>
-inline Vec3<T> sand_return(const Vec3<T>& strain, const T& mu, const T& lambda, const T& friction, Condition& moved) {
+PHYSMAS_INLINE Vec3<T> sand_return(const Vec3<T>& strain, const T& mu, const T& lambda, const T& friction,
+                                   Condition& moved) {
   const T volumetric = sum(strain);
   const Vec3<T> e = deviator(strain);
   const T size = norm(e);
@@ -189,8 +190,8 @@ inline Vec3<T> sand_return(const Vec3<T>& strain, const T& mu, const T& lambda, 
 // Foam's viscoplastic return map for StVK–Hencky (Yue et al. 2015): beyond |dev τ| = sqrt(2/3) yield the stress relaxes
 // towards the yield surface at a rate set by the viscosity (0: at once).
 template <class T, class Condition>
-inline Vec3<T> foam_return(const Vec3<T>& strain, const T& mu, const T& yield, const T& viscosity, const T& dt,
-                           Condition& moved) {
+PHYSMAS_INLINE Vec3<T> foam_return(const Vec3<T>& strain, const T& mu, const T& yield, const T& viscosity, const T& dt,
+                                   Condition& moved) {
   const T volumetric = sum(strain);
   const Vec3<T> e = deviator(strain);
   const T two_mu = mu + mu;
@@ -209,8 +210,8 @@ inline Vec3<T> foam_return(const Vec3<T>& strain, const T& mu, const T& yield, c
 // Plasticine's von Mises return map with damage: the strength falls by softening × |plastic strain increment|, never
 // below the residual. `yield` is the particle's strength [Pa], updated.
 template <class T, class Condition>
-inline Vec3<T> plasticine_return(const Vec3<T>& strain, const T& mu, const T& softening, const T& residual, T& yield,
-                                 Condition& moved) {
+PHYSMAS_INLINE Vec3<T> plasticine_return(const Vec3<T>& strain, const T& mu, const T& softening, const T& residual,
+                                         T& yield, Condition& moved) {
   const T volumetric = sum(strain);
   const Vec3<T> e = deviator(strain);
   const T size = norm(e);
@@ -224,7 +225,7 @@ inline Vec3<T> plasticine_return(const Vec3<T>& strain, const T& mu, const T& so
 
 // U diag(exp(strain)) Vᵀ where `moved`, F elsewhere (bit for bit).
 template <class T, class Condition>
-inline void write_back(const Condition& moved, const Stretches<T>& q, const Vec3<T>& strain, Mat3<T>& F) {
+PHYSMAS_INLINE void write_back(const Condition& moved, const Stretches<T>& q, const Vec3<T>& strain, Mat3<T>& F) {
   if (!any(moved)) return;
   Mat3<T> scaled = q.svd.Vt;
   for (int i = 0; i < 3; ++i) scaled[i] = exponential(strain[i]) * scaled[i];

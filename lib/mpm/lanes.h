@@ -30,30 +30,30 @@ struct ScalarOf<stdx::simd<T, stdx::simd_abi::native<T>>> {
 };
 
 template <class T, class Abi>
-inline stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& condition, const stdx::simd<T, Abi>& yes,
-                                 const stdx::simd<T, Abi>& no) {
+PHYSMAS_INLINE stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& condition, const stdx::simd<T, Abi>& yes,
+                                         const stdx::simd<T, Abi>& no) {
   stdx::simd<T, Abi> result = no;
   stdx::where(condition, result) = yes;
   return result;
 }
 template <class T, class Abi>
-inline bool all(const stdx::simd_mask<T, Abi>& condition) {
+PHYSMAS_INLINE bool all(const stdx::simd_mask<T, Abi>& condition) {
   return stdx::all_of(condition);
 }
 template <class T, class Abi>
-inline bool any(const stdx::simd_mask<T, Abi>& condition) {
+PHYSMAS_INLINE bool any(const stdx::simd_mask<T, Abi>& condition) {
   return stdx::any_of(condition);
 }
 template <class T, class Abi>
-inline stdx::simd<T, Abi> square_root(const stdx::simd<T, Abi>& x) {
+PHYSMAS_INLINE stdx::simd<T, Abi> square_root(const stdx::simd<T, Abi>& x) {
   return stdx::sqrt(x);
 }
 template <class T, class Abi>
-inline stdx::simd<T, Abi> absolute(const stdx::simd<T, Abi>& x) {
+PHYSMAS_INLINE stdx::simd<T, Abi> absolute(const stdx::simd<T, Abi>& x) {
   return stdx::abs(x);
 }
 template <class T, class Abi>
-inline stdx::simd<T, Abi> round_down(const stdx::simd<T, Abi>& x) {
+PHYSMAS_INLINE stdx::simd<T, Abi> round_down(const stdx::simd<T, Abi>& x) {
   return stdx::floor(x);
 }
 
@@ -77,7 +77,7 @@ struct FloatBits<double> {
 
 // The same bytes as another type.
 template <class To, class From>
-inline To same_bytes(const From& from) {
+PHYSMAS_INLINE To same_bytes(const From& from) {
   static_assert(sizeof(To) == sizeof(From));
   To to;
   std::memcpy(static_cast<void*>(&to), static_cast<const void*>(&from), sizeof(To));
@@ -87,7 +87,7 @@ inline To same_bytes(const From& from) {
 // Natural logarithm of positive normal numbers, within 2 ulp. log(m 2^e) = e log 2 + 2 atanh((m - 1) / (m + 1)) with m
 // in [sqrt(1/2), sqrt(2)): exact at 1, and the relative error stays small next to 1, where strains are tiny.
 template <class T, class Abi>
-inline stdx::simd<T, Abi> natural_log(const stdx::simd<T, Abi>& x) {
+PHYSMAS_INLINE stdx::simd<T, Abi> natural_log(const stdx::simd<T, Abi>& x) {
   using V = stdx::simd<T, Abi>;
   using Bits = FloatBits<T>;
   using Int = typename Bits::Int;
@@ -114,7 +114,7 @@ inline stdx::simd<T, Abi> natural_log(const stdx::simd<T, Abi>& x) {
 
 // Exponential function within 2 ulp; arguments are cut to the range whose result is a normal number.
 template <class T, class Abi>
-inline stdx::simd<T, Abi> exponential(const stdx::simd<T, Abi>& x) {
+PHYSMAS_INLINE stdx::simd<T, Abi> exponential(const stdx::simd<T, Abi>& x) {
   using V = stdx::simd<T, Abi>;
   using Bits = FloatBits<T>;
   using Int = typename Bits::Int;

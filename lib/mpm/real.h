@@ -12,11 +12,11 @@ namespace physmas::mpm {
 
 // NaN in the first argument gives the second: a bad number never survives a clamp.
 template <class T>
-inline T at_least(T x, T low) {
+PHYSMAS_INLINE T at_least(T x, T low) {
   return select(x > low, x, low);
 }
 template <class T>
-inline T at_most(T x, T high) {
+PHYSMAS_INLINE T at_most(T x, T high) {
   return select(x < high, x, high);
 }
 

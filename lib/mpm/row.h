@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "mpm/scalar.h"
+
 namespace physmas::mpm {
 
 #if defined(__AVX512F__)
@@ -16,14 +18,11 @@ constexpr int kRegisterBytes = 32;
 constexpr int kRegisterBytes = 16;
 #endif
 
-#define PHYSMAS_INLINE inline __attribute__((always_inline))
-
 template <class T>
 struct Row {
   static constexpr int kPart = kRegisterBytes / static_cast<int>(sizeof(T));  // numbers per register
   static constexpr int kParts = 16 / kPart;
   typedef T Part __attribute__((vector_size(kRegisterBytes)));
-  typedef T Quad __attribute__((vector_size(4 * sizeof(T))));  // one node
   Part part[kParts];
 
   PHYSMAS_INLINE static Row load(const T* p) {
@@ -37,44 +36,63 @@ struct Row {
     for (int i = 0; i < kParts; ++i) r.part[i] = Part{};
     return r;
   }
-  // The same four numbers at each node.
-  PHYSMAS_INLINE static Row repeat(const T* quad) {
+  // The four numbers of node k at every node.
+  template <int k>
+  PHYSMAS_INLINE Row repeat() const {
     Row r;
-    fill<0>(r, quad, std::make_index_sequence<kPart>());
+    repeat_into<k>(r, std::make_index_sequence<kPart>());
     return r;
   }
-  // quad[k] in all four numbers of node k.
-  PHYSMAS_INLINE static Row spread(const T* quad) {
+  // 1 in the four numbers of node k, 0 elsewhere.
+  template <int k>
+  PHYSMAS_INLINE static Row unit() {
     Row r;
-    fill<1>(r, quad, std::make_index_sequence<kPart>());
+    fill_unit<k>(r, std::make_index_sequence<kPart>());
     return r;
   }
-  // Sum over the first three nodes: four numbers.
-  PHYSMAS_INLINE Quad sum_of_nodes() const { return node<0>() + node<1>() + node<2>(); }
-
- private:
-  template <int kMode, size_t... I>
-  PHYSMAS_INLINE static void fill(Row& r, const T* quad, std::index_sequence<I...>) {
-    Quad q;
-    std::memcpy(&q, quad, sizeof(q));
-    for (int p = 0; p < kParts; ++p) {
-      const int first = p * kPart;
-      if constexpr (kParts == 1) {
-        r.part[p] = kMode == 0 ? __builtin_shufflevector(q, q, (I % 4)...) : __builtin_shufflevector(q, q, (I / 4)...);
-      } else {
-        r.part[p] = kMode == 0 ? Part{quad[(first + I) % 4]...} : Part{quad[(first + I) / 4]...};
+  // The sums over nodes of four rows, one row's sum per node of the result. Node 3 must be zero.
+  PHYSMAS_INLINE static Row sums_of_nodes(const Row& a, const Row& b, const Row& c, const Row& d) {
+    Row r;
+    if constexpr (kParts == 1) {
+      const Part ab =
+          __builtin_shufflevector(a.part[0], b.part[0], 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23) +
+          __builtin_shufflevector(a.part[0], b.part[0], 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
+      const Part cd =
+          __builtin_shufflevector(c.part[0], d.part[0], 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23) +
+          __builtin_shufflevector(c.part[0], d.part[0], 8, 9, 10, 11, 12, 13, 14, 15, 24, 25, 26, 27, 28, 29, 30, 31);
+      r.part[0] = __builtin_shufflevector(ab, cd, 0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19, 24, 25, 26, 27) +
+                  __builtin_shufflevector(ab, cd, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29, 30, 31);
+    } else if constexpr (kParts == 2) {
+      const Part p[4] = {a.part[0] + a.part[1], b.part[0] + b.part[1], c.part[0] + c.part[1], d.part[0] + d.part[1]};
+      for (int i = 0; i < 2; ++i) {
+        r.part[i] = __builtin_shufflevector(p[2 * i], p[2 * i + 1], 0, 1, 2, 3, 8, 9, 10, 11) +
+                    __builtin_shufflevector(p[2 * i], p[2 * i + 1], 4, 5, 6, 7, 12, 13, 14, 15);
+      }
+    } else {
+      // Parts of one node or of half a node.
+      constexpr int kStep = kParts / 4;
+      const Row* rows[4] = {&a, &b, &c, &d};
+      for (int i = 0; i < kParts; ++i) {
+        const Part* p = rows[i / kStep]->part + i % kStep;
+        r.part[i] = p[0] + p[kStep] + p[2 * kStep];
       }
     }
+    return r;
   }
-  template <int k>
-  PHYSMAS_INLINE Quad node() const {
-    if constexpr (kPart >= 4) {
-      constexpr int at = 4 * k % kPart;
-      const Part& p = part[4 * k / kPart];
-      return __builtin_shufflevector(p, p, at, at + 1, at + 2, at + 3);
-    } else {
-      return __builtin_shufflevector(part[2 * k], part[2 * k + 1], 0, 1, 2, 3);
+
+ private:
+  template <int k, size_t... I>
+  PHYSMAS_INLINE void repeat_into(Row& r, std::index_sequence<I...>) const {
+    for (int p = 0; p < kParts; ++p) {
+      // Where node k's numbers lie: inside one part, or, where a part is half a node, in two.
+      const Part& from = part[kPart >= 4 ? 4 * k / kPart : 2 * k + p % 2];
+      constexpr int at = kPart >= 4 ? 4 * k % kPart : 0;
+      r.part[p] = __builtin_shufflevector(from, from, (at + I % (kPart >= 4 ? 4 : kPart))...);
     }
+  }
+  template <int k, size_t... I>
+  PHYSMAS_INLINE static void fill_unit(Row& r, std::index_sequence<I...>) {
+    for (int p = 0; p < kParts; ++p) r.part[p] = Part{((p * kPart + static_cast<int>(I)) / 4 == k ? T(1) : T(0))...};
   }
 };
 
@@ -101,6 +119,44 @@ PHYSMAS_INLINE Row<T> operator*(T s, const Row<T>& a) {
   Row<T> r;
   for (int i = 0; i < Row<T>::kParts; ++i) r.part[i] = s * a.part[i];
   return r;
+}
+
+// Transposes a square of registers: entry k of register i becomes entry i of register k.
+template <class Part, int kSize, int kStep, size_t... I>
+PHYSMAS_INLINE void transpose_step(Part* r, std::index_sequence<I...>) {
+  for (int i = 0; i < kSize; ++i) {
+    if (i & kStep) continue;
+    const Part a = r[i], b = r[i + kStep];
+    r[i] = __builtin_shufflevector(a, b, ((I & kStep) ? I - kStep + kSize : I)...);
+    r[i + kStep] = __builtin_shufflevector(a, b, ((I & kStep) ? I + kSize : I + kStep)...);
+  }
+}
+template <class Part, int kSize, int kStep = 1>
+PHYSMAS_INLINE void transpose_registers(Part* r) {
+  transpose_step<Part, kSize, kStep>(r, std::make_index_sequence<kSize>());
+  if constexpr (2 * kStep < kSize) transpose_registers<Part, kSize, 2 * kStep>(r);
+}
+
+// records[l][k] → lanes[k][l] for L records of 16 numbers, L the numbers in a register; and the way back.
+template <class T>
+PHYSMAS_INLINE void records_to_lanes(const T (*records)[16], T (*lanes)[Row<T>::kPart]) {
+  constexpr int L = Row<T>::kPart;
+  for (int first = 0; first < 16; first += L) {
+    typename Row<T>::Part r[L];
+    for (int l = 0; l < L; ++l) std::memcpy(&r[l], &records[l][first], sizeof(r[l]));
+    transpose_registers<typename Row<T>::Part, L>(r);
+    for (int k = 0; k < L; ++k) std::memcpy(&lanes[first + k], &r[k], sizeof(r[k]));
+  }
+}
+template <class T>
+PHYSMAS_INLINE void lanes_to_records(const T (*lanes)[Row<T>::kPart], T (*records)[16]) {
+  constexpr int L = Row<T>::kPart;
+  for (int first = 0; first < 16; first += L) {
+    typename Row<T>::Part r[L];
+    for (int k = 0; k < L; ++k) std::memcpy(&r[k], &lanes[first + k], sizeof(r[k]));
+    transpose_registers<typename Row<T>::Part, L>(r);
+    for (int l = 0; l < L; ++l) std::memcpy(&records[l][first], &r[l], sizeof(r[l]));
+  }
 }
 
 }  // namespace physmas::mpm

@@ -5,6 +5,10 @@
 #include <cmath>
 #include <limits>
 
+// Small functions of lanes must not become calls: their arguments would travel through memory. A GPU compiler will want
+// its own words here.
+#define PHYSMAS_INLINE inline __attribute__((always_inline))
+
 namespace physmas::mpm {
 
 // The type of one number inside T: T itself for float and double.
@@ -21,47 +25,47 @@ constexpr Scalar<T> kEpsilon = std::numeric_limits<Scalar<T>>::epsilon();
 template <class T>
 constexpr Scalar<T> kTiny = std::numeric_limits<Scalar<T>>::min() * Scalar<T>(1e4);
 
-inline float select(bool condition, float yes, float no) {
+PHYSMAS_INLINE float select(bool condition, float yes, float no) {
   return condition ? yes : no;
 }
-inline double select(bool condition, double yes, double no) {
+PHYSMAS_INLINE double select(bool condition, double yes, double no) {
   return condition ? yes : no;
 }
-inline bool all(bool condition) {
+PHYSMAS_INLINE bool all(bool condition) {
   return condition;
 }
-inline bool any(bool condition) {
+PHYSMAS_INLINE bool any(bool condition) {
   return condition;
 }
 
-inline float square_root(float x) {
+PHYSMAS_INLINE float square_root(float x) {
   return std::sqrt(x);
 }
-inline double square_root(double x) {
+PHYSMAS_INLINE double square_root(double x) {
   return std::sqrt(x);
 }
-inline float absolute(float x) {
+PHYSMAS_INLINE float absolute(float x) {
   return std::fabs(x);
 }
-inline double absolute(double x) {
+PHYSMAS_INLINE double absolute(double x) {
   return std::fabs(x);
 }
-inline float natural_log(float x) {
+PHYSMAS_INLINE float natural_log(float x) {
   return std::log(x);
 }
-inline double natural_log(double x) {
+PHYSMAS_INLINE double natural_log(double x) {
   return std::log(x);
 }
-inline float exponential(float x) {
+PHYSMAS_INLINE float exponential(float x) {
   return std::exp(x);
 }
-inline double exponential(double x) {
+PHYSMAS_INLINE double exponential(double x) {
   return std::exp(x);
 }
-inline float round_down(float x) {
+PHYSMAS_INLINE float round_down(float x) {
   return std::floor(x);
 }
-inline double round_down(double x) {
+PHYSMAS_INLINE double round_down(double x) {
   return std::floor(x);
 }
 

@@ -1,7 +1,5 @@
 #include "mpm/simulation.h"
 
-#include <omp.h>
-
 #include <algorithm>
 
 #include "base/clock.h"
@@ -129,7 +127,12 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
   check(problem, timing);
   const Stopwatch total;
   Result result;
-  result.threads = options.threads > 0 ? options.threads : omp_get_max_threads();
+  // Fewer than some hundred particles per thread are not worth waking a thread for.
+  constexpr int kParticlesPerThread = 250;
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  result.threads = std::max(1, std::min(options.threads > 0 ? options.threads : cores,
+                                        static_cast<int>(problem.particles.size()) / kParticlesPerThread));
+  Team team(result.threads);
   result.dt = timing.frame_dt / timing.substeps;
   result.omitted = omissions(problem, options);
 
@@ -147,7 +150,7 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
   setup.row = problem.particles.row;
   setup.volume = problem.particles.volume;
   setup.control_group = actions.group_of();
-  setup.threads = result.threads;
+  setup.team = &team;
   const auto stepper = make_stepper(options.precision, setup);
   State state = rest_state(problem, setup);
 

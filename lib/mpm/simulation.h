@@ -85,7 +85,7 @@ struct Result {
   long long particles_at_wall = 0;  // most of at_wall over output frames
   std::vector<Omission> omitted;    // what this problem did not need
   // Run time; never part of a result's identity.
-  int threads = 0;
+  int threads = 0;  // used
   int sorts = 0;
   double seconds_particles = 0, seconds_grid = 0, seconds_sort = 0, seconds_frames = 0, seconds_total = 0;
   double particle_steps_per_second = 0;

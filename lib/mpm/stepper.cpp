@@ -19,9 +19,6 @@ namespace {
 constexpr double kSafeCells = 2;
 // A sort is due before particles could drift this far [cells]: the arenas leave room for one cell.
 constexpr double kDriftLimit = 0.999;
-// Fewer particles than this per thread are not worth waking a thread for.
-constexpr int kParticlesPerThread = 250;
-
 // Zeroed memory, aligned to a cache line. Pages that are never touched cost nothing, so a dense table of grid blocks
 // only uses memory where material has been.
 template <class T>
@@ -80,6 +77,7 @@ class TypedStepper final : public Stepper {
  private:
   using V = Lanes<T>;
   static constexpr int W = kLanes<T>;
+  static_assert(W == Row<T>::kPart);
   static constexpr int kFields = 12;  // x 3, F 9: what lives from substep to substep
 
   // Controls of one substep in this precision.
@@ -94,7 +92,7 @@ class TypedStepper final : public Stepper {
   template <bool kGather, bool kScatter>
   void pass(double dt, StepReport& report);
   template <bool kGather, bool kScatter>
-  void process_block(int block, double dt, Scratch& scratch);
+  void process_block(int block, double dt);
   void grid_update(double dt, StepReport& report);
   double update_grid_block(const GridBlock& block, double dt);
   void load_arena(const ParticleBlock& block, T* arena) const;
@@ -102,7 +100,6 @@ class TypedStepper final : public Stepper {
   Mat3<V> update_stress(int group, int first, const MaterialParameters<V>& p, const V& dt, Mat3<V>& F,
                         V& strength) const;
   bool near_obstacle(const GridBlock& block) const;
-  int thread_count() const;
 
   StepperSetup setup_;
   double dx_;
@@ -139,8 +136,7 @@ template <class T>
 struct TypedStepper<T>::Scratch {
   alignas(64) T arena[kArenaNumbers];
   alignas(64) T record[W][16];
-  alignas(64) T weight[6][W];  // wx0 wx1 wx2 wy0 wy1 wy2
-  alignas(64) T weight_z[W][4];
+  alignas(64) T weight[9][W];  // three along x, y and z
   alignas(64) T lanes[16][W];
   int offset[W];
 };
@@ -151,11 +147,6 @@ TypedStepper<T>::TypedStepper(const StepperSetup& setup)
   for (const auto& p : setup_.parameters) parameters_.push_back(convert_parameters<T>(p));
   for (const int row : setup_.row) uses_strength_ = uses_strength_ || setup_.branches[row] == Branch::plasticine;
   velocity_.resize(static_cast<size_t>(map_.grid_block_count()) * kBlockNodes * 4);
-}
-
-template <class T>
-int TypedStepper<T>::thread_count() const {
-  return std::max(1, std::min(setup_.threads, static_cast<int>(setup_.row.size()) / kParticlesPerThread));
 }
 
 template <class T>
@@ -291,8 +282,7 @@ void TypedStepper<T>::resort(StepReport& report) {
   for (auto& f : v_) f.resize(slots_);
   for (auto& f : C_) f.resize(slots_);
   const int blocks = static_cast<int>(map_.particle_blocks.size());
-#pragma omp parallel for schedule(static) num_threads(thread_count())
-  for (int b = 0; b < blocks; ++b) {
+  setup_.team->for_each(blocks, [&](int b) {
     const ParticleBlock& block = map_.particle_blocks[b];
     const int end = block.begin + (block.count + W - 1) / W * W;
     for (int s = block.begin; s < end; ++s) {
@@ -310,7 +300,7 @@ void TypedStepper<T>::resort(StepReport& report) {
         field_back_[axis][s] += T(kBlock * (old_blocks[block_of[from]].position[axis] - block.position[axis]));
       }
     }
-  }
+  });
   for (int f = 0; f < kFields; ++f) field_[f].swap(field_back_[f]);
   volume_.swap(volume_back_);
   particle_.swap(particle_back_);
@@ -380,8 +370,12 @@ template <class T>
 void TypedStepper<T>::grid_update(double dt, StepReport& report) {
   const Stopwatch watch;
   const int count = static_cast<int>(map_.grid_blocks.size());
-#pragma omp parallel for schedule(dynamic, 8) num_threads(thread_count())
-  for (int b = 0; b < count; ++b) grid_speed_[b] = update_grid_block(map_.grid_blocks[b], dt);
+  constexpr int kChunk = 8;  // a block alone is less than a microsecond
+  setup_.team->for_each((count + kChunk - 1) / kChunk, [&](int chunk) {
+    for (int b = chunk * kChunk; b < std::min(count, (chunk + 1) * kChunk); ++b) {
+      grid_speed_[b] = update_grid_block(map_.grid_blocks[b], dt);
+    }
+  });
   double speed = 0;
   for (const double s : grid_speed_) speed = std::max(speed, s);
   // Particle velocities are convex combinations of node velocities, so none is faster than the fastest node.
@@ -410,6 +404,18 @@ void TypedStepper<T>::load_arena(const ParticleBlock& block, T* arena) const {
 // Nine rows of one particle's stencil, contracted one axis at a time. Results: velocity and the first moments
 // Σ w v (node − centre node) along x, y and z in cells, four numbers each, the first of them without meaning.
 template <class T>
+PHYSMAS_INLINE Row<T> z_weights(const T* wz) {
+  using R = Row<T>;
+  return wz[0] * R::template unit<0>() + (wz[1] * R::template unit<1>() + wz[2] * R::template unit<2>());
+}
+
+// Nodes counted from the centre node along z.
+template <class T>
+PHYSMAS_INLINE Row<T> z_steps() {
+  return Row<T>::template unit<2>() - Row<T>::template unit<0>();
+}
+
+template <class T>
 PHYSMAS_INLINE void gather_particle(const T* corner, const T* wx, const T* wy, const T* wz, T* out) {
   using R = Row<T>;
   R sum[3], slope[3];
@@ -421,15 +427,12 @@ PHYSMAS_INLINE void gather_particle(const T* corner, const T* wx, const T* wy, c
     slope[i] = high - low;
   }
   const R low = wx[0] * sum[0], high = wx[2] * sum[2];
-  const R weight = R::spread(wz);
+  const R weight = z_weights(wz);
   const R total = (wx[1] * sum[1] + (low + high)) * weight;
   const R along_x = (high - low) * weight;
   const R along_y = (wx[0] * slope[0] + wx[1] * slope[1] + wx[2] * slope[2]) * weight;
-  static const T kStep[4] = {-1, 0, 1, 0};
-  const R along_z = total * R::spread(kStep);
-  const typename R::Quad q[4] = {total.sum_of_nodes(), along_x.sum_of_nodes(), along_y.sum_of_nodes(),
-                                 along_z.sum_of_nodes()};
-  std::memcpy(out, q, sizeof(q));
+  const R along_z = total * z_steps<T>();
+  R::sums_of_nodes(total, along_x, along_y, along_z).store(out);
 }
 
 // Adds w (P + Q (node − centre node)) to nine row accumulators. record: {m, P}, and the columns of Q, four numbers
@@ -437,10 +440,10 @@ PHYSMAS_INLINE void gather_particle(const T* corner, const T* wx, const T* wy, c
 template <class T>
 PHYSMAS_INLINE void scatter_particle(Row<T>* sum, const T* wx, const T* wy, const T* wz, const T* record) {
   using R = Row<T>;
-  static const T kStep[4] = {-1, 0, 1, 0};
-  const R weight = R::spread(wz);
-  const R center = (R::repeat(record) + R::spread(kStep) * R::repeat(record + 12)) * weight;
-  const R x = R::repeat(record + 4) * weight, y = R::repeat(record + 8) * weight;
+  const R weight = z_weights(wz);
+  const R all = R::load(record);
+  const R center = (all.template repeat<0>() + z_steps<T>() * all.template repeat<3>()) * weight;
+  const R x = all.template repeat<1>() * weight, y = all.template repeat<2>() * weight;
   const R plane[3] = {wx[0] * (center - x), wx[1] * center, wx[2] * (center + x)};
   for (int i = 0; i < 3; ++i) {
     const R slope = wx[i] * y;
@@ -464,11 +467,16 @@ PHYSMAS_INLINE void flush_rows(Row<T>* sum, T* corner) {
 // Parameters of the lanes of a group: the same in all lanes unless rows are mixed.
 template <class T>
 MaterialParameters<typename TypedStepper<T>::V> TypedStepper<T>::group_parameters(int group, int first) const {
-  alignas(64) T lanes[kMaterialParameterCount][W];
   const int common = group_row_[group];
+  if (common >= 0) {
+    const MaterialParameters<T>& p = parameters_[common];
+    return {V(p.mu),       V(p.lambda), V(p.bulk),      V(p.density),   V(p.friction),      V(p.alpha),
+            V(p.cohesion), V(p.yield),  V(p.viscosity), V(p.softening), V(p.residual_yield)};
+  }
+  alignas(64) T lanes[kMaterialParameterCount][W];
   for (int l = 0; l < W; ++l) {
     const int i = particle_[first + l];
-    const int row = common >= 0 ? common : setup_.row[i >= 0 ? i : particle_[first]];
+    const int row = setup_.row[i >= 0 ? i : particle_[first]];
     T numbers[kMaterialParameterCount];
     static_assert(sizeof(numbers) == sizeof(MaterialParameters<T>));
     std::memcpy(numbers, &parameters_[row], sizeof(numbers));
@@ -511,10 +519,15 @@ Mat3<typename TypedStepper<T>::V> TypedStepper<T>::update_stress(int group, int 
 
 template <class T>
 template <bool kGather, bool kScatter>
-void TypedStepper<T>::process_block(int index, double dt, Scratch& scratch) {
+void TypedStepper<T>::process_block(int index, double dt) {
+  Scratch scratch;
   const ParticleBlock& block = map_.particle_blocks[index];
   T* const out = arenas_.data() + static_cast<size_t>(index) * kArenaNumbers;
-  if (kGather) load_arena(block, scratch.arena);
+  if (kGather) {
+    // The fourth node of a row is read with weight zero, also where nothing was loaded.
+    std::memset(scratch.arena, 0, sizeof(scratch.arena));
+    load_arena(block, scratch.arena);
+  }
   if (kScatter) {
     for (int x = block.low[0]; x <= block.high[0]; ++x) {
       std::memset(out + 4 * kArena * (kArena * x + block.low[1]), 0,
@@ -547,30 +560,17 @@ void TypedStepper<T>::process_block(int index, double dt, Scratch& scratch) {
       const V w0 = T(0.5) * l * l, w2 = T(0.5) * r * r;
       const V w1 = T(1) - w0 - w2;
       to_center[axis] = T(1) - f;
-      if (axis < 2) {
-        w0.copy_to(scratch.weight[3 * axis], stdx::vector_aligned);
-        w1.copy_to(scratch.weight[3 * axis + 1], stdx::vector_aligned);
-        w2.copy_to(scratch.weight[3 * axis + 2], stdx::vector_aligned);
-      } else {
-        alignas(64) T z[3][W];
-        w0.copy_to(z[0], stdx::vector_aligned);
-        w1.copy_to(z[1], stdx::vector_aligned);
-        w2.copy_to(z[2], stdx::vector_aligned);
-        for (int l2 = 0; l2 < W; ++l2) {
-          scratch.weight_z[l2][0] = z[0][l2];
-          scratch.weight_z[l2][1] = z[1][l2];
-          scratch.weight_z[l2][2] = z[2][l2];
-          scratch.weight_z[l2][3] = 0;
-        }
-      }
+      w0.copy_to(scratch.weight[3 * axis], stdx::vector_aligned);
+      w1.copy_to(scratch.weight[3 * axis + 1], stdx::vector_aligned);
+      w2.copy_to(scratch.weight[3 * axis + 2], stdx::vector_aligned);
     }
     const V node = (base[0] * T(kArena) + base[1]) * T(kArena) + base[2] + T(1 + kArena + kArena * kArena);
     alignas(64) T node_lanes[W];
     node.copy_to(node_lanes, stdx::vector_aligned);
     for (int l = 0; l < W; ++l) scratch.offset[l] = 4 * static_cast<int>(node_lanes[l]);
   };
-  const auto weights_of = [&](int l, T* wx, T* wy) {
-    for (int k = 0; k < 3; ++k) wx[k] = scratch.weight[k][l], wy[k] = scratch.weight[3 + k][l];
+  const auto weights_of = [&](int l, T* w) {
+    for (int k = 0; k < 9; ++k) w[k] = scratch.weight[k][l];
   };
 
   Row<T> sum[9];
@@ -594,13 +594,12 @@ void TypedStepper<T>::process_block(int index, double dt, Scratch& scratch) {
     if (kGather) {
       locate_group(x);
       for (int l = 0; l < real; ++l) {
-        T wx[3], wy[3];
-        weights_of(l, wx, wy);
-        gather_particle(scratch.arena + scratch.offset[l], wx, wy, scratch.weight_z[l], scratch.record[l]);
+        T w[9];
+        weights_of(l, w);
+        gather_particle(scratch.arena + scratch.offset[l], w, w + 3, w + 6, scratch.record[l]);
       }
       for (int l = real; l < W; ++l) std::memset(scratch.record[l], 0, sizeof(scratch.record[l]));
-      for (int l = 0; l < W; ++l)
-        for (int k = 0; k < 16; ++k) scratch.lanes[k][l] = scratch.record[l][k];
+      records_to_lanes<T>(scratch.record, scratch.lanes);
       for (int a = 0; a < 3; ++a) {
         v[a] = V(scratch.lanes[1 + a], stdx::vector_aligned);
         for (int b = 0; b < 3; ++b) {
@@ -684,16 +683,15 @@ void TypedStepper<T>::process_block(int index, double dt, Scratch& scratch) {
       for (int b = 0; b < 3; ++b) Q[a][b].copy_to(scratch.lanes[4 + 4 * b + 1 + a], stdx::vector_aligned);
     }
     for (int k = 4; k < 16; k += 4) V(T(0)).copy_to(scratch.lanes[k], stdx::vector_aligned);
-    for (int l = 0; l < W; ++l)
-      for (int k = 0; k < 16; ++k) scratch.record[l][k] = scratch.lanes[k][l];
+    lanes_to_records<T>(scratch.lanes, scratch.record);
     for (int l = 0; l < real; ++l) {
       if (scratch.offset[l] != corner) {
         if (corner >= 0) flush_rows(sum, out + corner);
         corner = scratch.offset[l];
       }
-      T wx[3], wy[3];
-      weights_of(l, wx, wy);
-      scatter_particle(sum, wx, wy, scratch.weight_z[l], scratch.record[l]);
+      T w[9];
+      weights_of(l, w);
+      scatter_particle(sum, w, w + 3, w + 6, scratch.record[l]);
     }
   }
   if (kScatter && corner >= 0) flush_rows(sum, out + corner);
@@ -708,12 +706,7 @@ template <bool kGather, bool kScatter>
 void TypedStepper<T>::pass(double dt, StepReport& report) {
   const Stopwatch watch;
   const int count = static_cast<int>(map_.particle_blocks.size());
-#pragma omp parallel num_threads(thread_count())
-  {
-    Scratch scratch;
-#pragma omp for schedule(dynamic, 1)
-    for (int b = 0; b < count; ++b) process_block<kGather, kScatter>(b, dt, scratch);
-  }
+  setup_.team->for_each(count, [&](int b) { process_block<kGather, kScatter>(b, dt); });
   double kinetic = 0, speed_squared = 0;
   long long clamped = 0;
   for (const BlockReport& r : reports_) {
@@ -778,8 +771,7 @@ ElasticSummary summarise_elastic(const StepperSetup& setup, const State& state) 
   const int count = static_cast<int>(state.size());
   const int chunks = (count + kChunk - 1) / kChunk;
   std::vector<ElasticSummary> partial(chunks);
-#pragma omp parallel for schedule(static) num_threads(setup.threads)
-  for (int chunk = 0; chunk < chunks; ++chunk) {
+  setup.team->for_each(chunks, [&](int chunk) {
     const int end = std::min(count, (chunk + 1) * kChunk);
     ElasticSummary& out = partial[chunk];
     for (int first = chunk * kChunk; first < end; first += W) {
@@ -808,7 +800,7 @@ ElasticSummary summarise_elastic(const StepperSetup& setup, const State& state) 
         }
       }
     }
-  }
+  });
   ElasticSummary total;
   for (const ElasticSummary& p : partial) {
     total.energy += p.energy;

@@ -12,6 +12,7 @@
 #include "mpm/domain.h"
 #include "mpm/material.h"
 #include "mpm/state.h"
+#include "mpm/team.h"
 
 namespace physmas::mpm {
 
@@ -25,7 +26,7 @@ struct StepperSetup {
   std::vector<int> row;                                // per particle
   std::vector<double> volume;                          // per particle [m^3]
   std::vector<std::uint16_t> control_group;            // per particle
-  int threads = 1;
+  Team* team = nullptr;                                // runs the loops; outlives the stepper
 };
 
 enum class StepFault { none, not_finite, speed, energy };

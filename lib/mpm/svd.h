@@ -17,10 +17,18 @@ struct Svd {
 
 namespace svd_detail {
 
-// One Jacobi rotation that makes rows p and q of B orthogonal, applied to the columns of U as well, so that U B stays
-// the same (Hestenes 1958). Returns where the rows were already orthogonal to rounding.
+// Whether rows p and q of B are orthogonal to rounding.
 template <class T>
-inline auto rotate_rows(Mat3<T>& B, Mat3<T>& Ut, int p, int q) {
+PHYSMAS_INLINE auto orthogonal_rows(const Mat3<T>& B, int p, int q) {
+  const T c = dot(B[p], B[q]);
+  const Scalar<T> tolerance = kEpsilon<T> * kEpsilon<T>;
+  return c * c <= T(tolerance) * (dot(B[p], B[p]) * dot(B[q], B[q])) + T(kTiny<T>);
+}
+
+// One Jacobi rotation that makes rows p and q of B orthogonal, applied to the columns of U (rows of Ut) as well, so
+// that U B stays the same (Hestenes 1958).
+template <class T>
+PHYSMAS_INLINE void rotate_rows(Mat3<T>& B, Mat3<T>& Ut, int p, int q) {
   const T a = dot(B[p], B[p]), b = dot(B[q], B[q]), c = dot(B[p], B[q]);
   const T d = b - a, c2 = c + c;
   const T root = square_root(d * d + c2 * c2);
@@ -31,13 +39,11 @@ inline auto rotate_rows(Mat3<T>& B, Mat3<T>& Ut, int p, int q) {
   B[q] = sine * bp + cosine * bq;
   Ut[p] = cosine * up - sine * uq;
   Ut[q] = sine * up + cosine * uq;
-  const Scalar<T> tolerance = kEpsilon<T> * kEpsilon<T>;
-  return c * c <= T(tolerance) * (a * b) + T(kTiny<T>);
 }
 
 // Exchanges rows p and q where |B_p| < |B_q|, turning one of them around so that both factors keep their handedness.
 template <class T>
-inline void order_rows(Mat3<T>& B, Mat3<T>& Ut, Vec3<T>& n, int p, int q) {
+PHYSMAS_INLINE void order_rows(Mat3<T>& B, Mat3<T>& Ut, Vec3<T>& n, int p, int q) {
   const auto swap = n[p] < n[q];
   const Vec3<T> bp = B[p], up = Ut[p];
   const T np = n[p];
@@ -55,8 +61,9 @@ inline void order_rows(Mat3<T>& B, Mat3<T>& Ut, Vec3<T>& n, int p, int q) {
 // to five sweeps). Small singular values keep their relative accuracy, unlike with eigenvalues of F Fᵀ. F is scaled by
 // its largest entry first, so tiny and huge matrices are fine; the zero matrix gives s = 0 and identity rotations.
 template <class T>
-inline Svd<T> svd(const Mat3<T>& F) {
+PHYSMAS_INLINE Svd<T> svd(const Mat3<T>& F) {
   using svd_detail::order_rows;
+  using svd_detail::orthogonal_rows;
   using svd_detail::rotate_rows;
   const T largest = largest_entry(F);
   const T scale = select(largest > T(kTiny<T>), largest, T(1));
@@ -64,10 +71,10 @@ inline Svd<T> svd(const Mat3<T>& F) {
   Mat3<T> Ut = identity<T>();
   constexpr int kMaxSweeps = 12;
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-    const auto done01 = rotate_rows(B, Ut, 0, 1);
-    const auto done02 = rotate_rows(B, Ut, 0, 2);
-    const auto done12 = rotate_rows(B, Ut, 1, 2);
-    if (all(done01 && done02 && done12)) break;
+    if (all(orthogonal_rows(B, 0, 1) && orthogonal_rows(B, 0, 2) && orthogonal_rows(B, 1, 2))) break;
+    rotate_rows(B, Ut, 0, 1);
+    rotate_rows(B, Ut, 0, 2);
+    rotate_rows(B, Ut, 1, 2);
   }
   Vec3<T> n = {dot(B[0], B[0]), dot(B[1], B[1]), dot(B[2], B[2])};
   order_rows(B, Ut, n, 0, 1);
@@ -96,11 +103,34 @@ inline Svd<T> svd(const Mat3<T>& F) {
   return result;
 }
 
-// The rotation R of F = R S with det R = +1 for every F: the closest proper rotation in the Frobenius norm.
+// The rotation R of F = R S with det R = +1 for every F: the closest proper rotation in the Frobenius norm. Newton's
+// iteration X ← (X + X⁻ᵀ) / 2 (Higham 1986) where F is well away from collapse, as it nearly always is; the singular
+// value decomposition for the rest, where Newton would be slow or end in a reflection.
 template <class T>
-inline Mat3<T> polar_rotation(const Mat3<T>& F) {
-  const Svd<T> d = svd(F);
-  return d.U * d.Vt;
+PHYSMAS_INLINE Mat3<T> polar_rotation(const Mat3<T>& F) {
+  const Scalar<T> half(0.5);
+  Mat3<T> X = F;
+  const T size = squared_norm(F), volume = determinant(F);
+  // At least a thousandth of the volume of a cube with the same norm, neither tiny nor huge.
+  const auto ordinary = volume > T(Scalar<T>(1e-3)) * size * square_root(size) * T(Scalar<T>(0.19)) &&
+                        size > T(Scalar<T>(1e-4)) && size < T(Scalar<T>(1e4));
+  if (!all(ordinary)) {
+    const Svd<T> d = svd(F);
+    const Mat3<T> R = d.U * d.Vt;
+    if (!any(ordinary)) return R;
+    X = select(ordinary, X, R);
+  }
+  constexpr int kMaxSteps = 20;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const Vec3<T> c0 = cross(X[1], X[2]), c1 = cross(X[2], X[0]), c2 = cross(X[0], X[1]);
+    const T scale = T(half) / dot(X[0], c0);
+    const Mat3<T> next = {{T(half) * X[0] + scale * c0, T(half) * X[1] + scale * c1, T(half) * X[2] + scale * c2}};
+    const T change = squared_norm(next - X);
+    X = next;
+    // Quadratic: a change of δ leaves an error of δ²/2.
+    if (all(change < T(kEpsilon<T>))) break;
+  }
+  return X;
 }
 
 }  // namespace physmas::mpm

@@ -23,8 +23,8 @@ TEST_CASE("mpm free fall: every particle follows the symplectic Euler trajectory
           std::max(error_continuous, std::fabs(out.state.x[i].z - p.particles.position[i].z + 0.5 * 9.8 * 0.01));
       speed_error = std::max(speed_error, std::fabs(out.state.v[i].z + 9.8 * 0.1));
     }
-    // Uniform motion is exact in APIC; what is left is rounding: of the weights' sum (1 ulp of the speed a step), and of
-    // positions that are held relative to their block, in cells (ulp of 4 cells a step, random sign).
+    // Uniform motion is exact in APIC; what is left is rounding: of the weights' sum (1 ulp of the speed a step), and
+    // of positions that are held relative to their block, in cells (ulp of 4 cells a step, random sign).
     const bool full = precision == Precision::full;
     CHECK(error < (full ? 1e-13 : 2e-6));
     CHECK(speed_error < (full ? 1e-13 : 2e-5));
@@ -79,8 +79,9 @@ TEST_CASE("mpm energy: total energy of Jelly, Metal and Foam does not grow") {
 TEST_CASE("mpm determinism: the same bytes for 1, 2 and 3 threads, with every branch, colliders and actions") {
   for (const Precision precision : {Precision::full, Precision::single}) {
     Problem p = scene({Branch::jelly, 5e4, 0.3, 1000}, 40, {0, 0, -9.8});
-    p.materials = {{Branch::jelly, 5e4, 0.3, 1000}, {Branch::metal, 1e5, 0.3, 1200}, {Branch::sand, 5e4, 0.3, 1600},
-                   {Branch::foam, 4e4, 0.3, 200},   {Branch::snow, 5e4, 0.2, 400},   {Branch::plasticine, 1e5, 0.3, 2000}};
+    p.materials = {{Branch::jelly, 5e4, 0.3, 1000}, {Branch::metal, 1e5, 0.3, 1200},
+                   {Branch::sand, 5e4, 0.3, 1600},  {Branch::foam, 4e4, 0.3, 200},
+                   {Branch::snow, 5e4, 0.2, 400},   {Branch::plasticine, 1e5, 0.3, 2000}};
     for (int row = 0; row < 6; ++row) {
       const double x = 0.5 + 0.16 * row;
       add_block(p, {x, 0.8, 0.3}, {x + 0.16, 1.1, 0.55}, row, p.domain.dx());
@@ -212,9 +213,15 @@ TEST_CASE("mpm colliders: a dropped jelly box stays above the floor and comes to
   double lowest = 2;
   for (const Vec3d& x : out.state.x) lowest = std::min(lowest, x.z);
   CHECK(lowest > 0.4 - 0.5 * p.domain.dx());  // a particle can sink half a cell below the last free node
-  // Rest: 3 s later the kinetic energy is gone but for a thousandth of the energy of the fall.
+  // Nothing damps an elastic body but the transfers, which filter what the grid does not resolve: total energy falls in
+  // every frame (up to rounding of a sum of 4,096 floats and the step's own swing), and 3 s later one twentieth of the
+  // energy of the fall is left in motion.
   const Balance& last = out.result.balances.back();
-  CHECK(last.kinetic < 1e-3 * last.mass * 9.8 * 0.1);
+  for (size_t f = 1; f < out.result.balances.size(); ++f) {
+    const Balance &a = out.result.balances[f - 1], &b = out.result.balances[f];
+    CHECK(b.kinetic + b.elastic + b.gravity <= 1.001 * (a.kinetic + a.elastic + a.gravity));
+  }
+  CHECK(last.kinetic < 0.05 * last.mass * 9.8 * 0.1);
   double highest = 0;
   for (const Vec3d& x : out.state.x) highest = std::max(highest, x.z);
   CHECK(highest > 0.7);  // it kept its height of 0.4, less what its weight presses out
@@ -243,8 +250,8 @@ TEST_CASE("mpm colliders: Coulomb friction slows a sliding block by mu g, on a l
   add_block(p, {0.5, 0.8, 0.4}, {0.9, 1.2, 0.5}, 0, p.domain.dx(), 0, {1.5, 0, 0});
   p.domain.colliders.push_back(floor_at(0.4, Collider::Mode::separate, mu));
   const Outcome level = simulate(p, {6, 0.04, 160});
-  // From frame 1 on, when the landing is over. Contact nodes lie up to a cell inside the block's foot, so the support force
-  // fluctuates with the settling; its mean is the weight.
+  // From frame 1 on, when the landing is over. Contact nodes lie up to a cell inside the block's foot, so the support
+  // force fluctuates with the settling; its mean is the weight.
   const double first = level.result.balances[1].momentum.x, last = level.result.balances[5].momentum.x;
   CHECK((first - last) / (level.result.balances[0].mass * 0.16) == doctest::Approx(mu * g).epsilon(0.05));
 
