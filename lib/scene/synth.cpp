@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kCover = 0.62;      // standard deviation by cell edge: neighbours overlap without gaps
 constexpr double kThickness = 0.16;  // standard deviation across the surface by spacing
-constexpr size_t kMaxGaussians = 10000000;
+constexpr size_t kMaxGaussians = 2000000;
 
 // A place to put a shape: p -> scale * R p + t.
 struct Pose {
@@ -175,10 +175,11 @@ class Builder {
     const ExampleShape& shape = *placed.shape;
     std::vector<SurfaceSample> samples;
     for (const SurfacePatch& patch : placed.surface.patches) {
-      for (const SurfaceSample& sample : sample_patch(patch, shape.spacing / pose.scale, random))
-        samples.push_back(sample);
+      const size_t limit = kMaxGaussians - out_.gaussians.size() - samples.size();
+      const std::vector<SurfaceSample> more = sample_patch(patch, shape.spacing / pose.scale, random, limit);
+      samples.insert(samples.end(), more.begin(), more.end());
       if (out_.gaussians.size() + samples.size() > kMaxGaussians) {
-        throw invalid_input({file_, "/spacing", "a spacing that needs more than ten million Gaussians",
+        throw invalid_input({file_, "/spacing", "a spacing that needs more than two million Gaussians",
                              "a larger spacing, or smaller shapes"});
       }
     }
