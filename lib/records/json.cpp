@@ -141,7 +141,8 @@ void save_record(const std::string& path, const std::string& record, const Prove
 }
 
 Json to_json(const Eigen::Vector3d& v) {
-  return Json::array({v.x(), v.y(), v.z()});
+  // Adding zero turns -0 into 0.
+  return Json::array({v.x() + 0.0, v.y() + 0.0, v.z() + 0.0});
 }
 
 Eigen::Vector3d vector3_from(const Json& json) {

@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 namespace physmas::splat {
 namespace {
 
+constexpr size_t kMaxName = 64;  // bytes of an id
 constexpr double kFloorFriction = 0.45;
 constexpr double kFloorRoom = 2;  // cells between the lower wall and the floor that we add
 constexpr double kOutputFov = 40, kOutputMargin = 0.12;
@@ -37,7 +38,7 @@ std::string name_from(const std::string& path) {
     if (plain) name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (!plain && !name.empty() && name.back() != '-') name += '-';
   }
-  name = name.substr(0, 64);
+  name = name.substr(0, kMaxName);
   while (!name.empty() && name.back() == '-') name.pop_back();
   return name.empty() ? "scene" : name;
 }
@@ -187,6 +188,11 @@ void write_import_bundle(const ImportOptions& options) {
   if (options.prompt.find_first_not_of(" \t\r\n") == std::string::npos)
     throw invalid_input({"--prompt", "", "a blank prompt", "a description of the motion",
                          "for example --prompt \"it falls onto the floor\""});
+  if (options.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos ||
+      options.name.size() > kMaxName) {
+    throw Error(ExitCode::usage, "--name: found \"" + one_line(options.name, 80) +
+                                     "\", expected an id [a-z0-9-] of at most 64 characters");
+  }
   const Gaussians gaussians = load_gaussians(options.gaussians);
   Scene scene;
   scene.name = options.name.empty() ? name_from(options.gaussians) : options.name;
