@@ -35,7 +35,8 @@ CXXFLAGS := -std=c++17 -march=$(ARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fn
             -Wall -Wextra -Wno-unknown-pragmas $(if $(WERROR),-Werror) $(EXTRA_CXXFLAGS)
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
-          -lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core -lcurl -lcrypto -lfmt
+          -lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
+          -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lfmt
 , := ,
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp)
@@ -103,7 +104,8 @@ say = $(if $(filter 0,$(V)),@printf '  %-5s %s\n' '$(1)' '$(2)')
 
 # Packages of a bare Debian 12 that the project needs: one list for people, make and CI.
 PACKAGES := g++ make pkg-config libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgproc-dev \
-            libopencv-imgcodecs-dev libopencv-videoio-dev nlohmann-json3-dev libvalijson-dev \
+            libopencv-imgcodecs-dev libopencv-videoio-dev libavcodec-dev \
+            libavformat-dev libavutil-dev libswscale-dev nlohmann-json3-dev libvalijson-dev \
             libcurl4-openssl-dev libssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats gnuplot-nox
 
 .PHONY: deps-present

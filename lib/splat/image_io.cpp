@@ -1,0 +1,158 @@
+#include "splat/image_io.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/error.h"
+#include "base/file.h"
+
+namespace physmas::splat {
+namespace {
+
+constexpr size_t kMaxFileBytes = size_t{1} << 30;
+constexpr uint64_t kMaxPixels = 1 << 28;
+
+uint8_t level(float value) {
+  return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255 + 0.5f);
+}
+
+// A header over the image's own pixels; OpenCV does not write through it here.
+cv::Mat view(const Image& image) {
+  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<uint8_t*>(image.pixels.data()));
+}
+
+// Our channel order from OpenCV's, or back: the exchange is its own inverse.
+cv::Mat swap_red_and_blue(const cv::Mat& m) {
+  cv::Mat out;
+  switch (m.channels()) {
+    case 3:
+      cv::cvtColor(m, out, cv::COLOR_BGR2RGB);
+      return out;
+    case 4:
+      cv::cvtColor(m, out, cv::COLOR_BGRA2RGBA);
+      return out;
+    default:
+      return m;
+  }
+}
+
+Image image_of(const cv::Mat& m) {
+  Image image(m.cols, m.rows, m.channels());
+  m.copyTo(view(image));
+  return image;
+}
+
+// Walks the chunks of a PNG: libpng would print its own line about a file that is cut off, and OpenCV would try to
+// allocate whatever size the header claims.
+void check_png(const std::string& path, const std::string& bytes) {
+  const auto number = [&](size_t at) {
+    uint32_t value = 0;
+    for (size_t i = at; i < at + 4; ++i) value = value << 8 | static_cast<uint8_t>(bytes[i]);
+    return value;
+  };
+  size_t at = 8;  // after the signature
+  for (std::string type; type != "IEND";) {
+    const size_t length = at + 12 <= bytes.size() ? number(at) : bytes.size();
+    if (length > bytes.size() - at || bytes.size() - at - length < 12) {
+      throw invalid_input(
+          {path, fmt::format("byte {}", at), "the end of the file", "a whole PNG chunk", "the file is cut off"});
+    }
+    type = bytes.substr(at + 4, 4);
+    if (at == 8) {
+      if (type != "IHDR" || length != 13) throw invalid_input({path, "byte 8", "another chunk", "IHDR of 13 bytes"});
+      const uint64_t width = number(at + 8), height = number(at + 12);
+      if (width == 0 || height == 0 || width > kMaxPixels || height > kMaxPixels / width) {
+        throw invalid_input({path, "IHDR", fmt::format("{} x {} pixels", width, height), "1 to 2^28 pixels"});
+      }
+    }
+    at += 12 + length;
+  }
+}
+
+}  // namespace
+
+Image quantize(const RenderedImage& image) {
+  Image out(image.width, image.height, 3);
+  for (size_t i = 0; i < out.pixels.size(); ++i) out.pixels[i] = level(image.rgb[i]);
+  return out;
+}
+
+Image quantize_with_alpha(const RenderedImage& image) {
+  Image out(image.width, image.height, 4);
+  for (size_t p = 0; p < image.alpha.size(); ++p) {
+    const float alpha = image.alpha[p];
+    for (int k = 0; k < 3; ++k) out.pixels[4 * p + k] = alpha > 0 ? level(image.rgb[3 * p + k] / alpha) : 0;
+    out.pixels[4 * p + 3] = level(alpha);
+  }
+  return out;
+}
+
+bool save_png(const std::string& path, const Image& image) {
+  std::vector<uint8_t> bytes;
+  // Stated, so that a change of OpenCV's defaults does not change our bytes.
+  const std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 4, cv::IMWRITE_PNG_STRATEGY,
+                                       cv::IMWRITE_PNG_STRATEGY_DEFAULT};
+  bool encoded = false;
+  try {
+    encoded = cv::imencode(".png", swap_red_and_blue(view(image)), bytes, parameters);
+  } catch (const cv::Exception& error) {
+    throw internal_error(fmt::format("{}: PNG encoder: {}", path, error.what()));
+  }
+  if (!encoded) throw internal_error(path + ": the PNG encoder refused the image");
+  return write_file(path, std::string(bytes.begin(), bytes.end()));
+}
+
+Image load_image(const std::string& path) {
+  const std::string bytes = read_file(path, kMaxFileBytes);
+  const bool png = bytes.compare(0, 8, "\x89PNG\r\n\x1a\n") == 0;
+  const bool jpeg = bytes.compare(0, 3, "\xff\xd8\xff") == 0;
+  if (!png && !jpeg) throw invalid_input({path, "byte 0", "neither a PNG nor a JPEG signature", "a PNG or JPEG image"});
+  if (png) check_png(path, bytes);
+  cv::Mat decoded;
+  try {
+    const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+    decoded = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception& error) {
+    throw invalid_input({path, "", one_line(error.err), "a decodable image"});
+  }
+  if (decoded.empty()) throw invalid_input({path, "", "data that cannot be decoded", "a whole PNG or JPEG image"});
+  if (decoded.depth() == CV_16U) decoded.convertTo(decoded, CV_8U, 1 / 257.0);
+  if (decoded.depth() != CV_8U || decoded.channels() == 2) {
+    throw invalid_input({path, "", "an unusual pixel format", "8 or 16 bits; grey, RGB or RGBA"});
+  }
+  return image_of(swap_red_and_blue(decoded));
+}
+
+Image contact_sheet(const std::vector<Image>& pictures, const std::vector<std::string>& captions, int columns,
+                    int cell_width) {
+  if (pictures.empty() || pictures.size() != captions.size() || columns < 1 || cell_width < 1) {
+    throw internal_error("a contact sheet needs pictures, a caption each, and room");
+  }
+  const Image& first = pictures[0];
+  const int width = std::min(cell_width, first.width);
+  const int height = std::max(1, static_cast<int>(std::lround(double(first.height) * width / first.width)));
+  columns = std::min<int>(columns, static_cast<int>(pictures.size()));
+  const int rows = static_cast<int>((pictures.size() + columns - 1) / columns);
+  constexpr int kGap = 4, kCaption = 18;
+  cv::Mat sheet(rows * (height + kCaption + kGap) + kGap, columns * (width + kGap) + kGap, CV_8UC(first.channels),
+                cv::Scalar::all(255));
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    if (pictures[i].width != first.width || pictures[i].height != first.height ||
+        pictures[i].channels != first.channels) {
+      throw internal_error("the pictures of a contact sheet differ in size");
+    }
+    const int x = kGap + static_cast<int>(i % columns) * (width + kGap);
+    const int y = kGap + static_cast<int>(i / columns) * (height + kCaption + kGap);
+    cv::Mat cell = sheet(cv::Rect(x, y, width, height));
+    cv::resize(view(pictures[i]), cell, cell.size(), 0, 0, cv::INTER_AREA);
+    cv::putText(sheet, captions[i], {x + 2, y + height + kCaption - 5}, cv::FONT_HERSHEY_SIMPLEX, 0.42,
+                first.channels == 4 ? cv::Scalar(0, 0, 0, 255) : cv::Scalar::all(0), 1, cv::LINE_AA);
+  }
+  return image_of(sheet);
+}
+
+}  // namespace physmas::splat

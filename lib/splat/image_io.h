@@ -1,0 +1,34 @@
+// PNG files, 8-bit views of rendered images, contact sheets.
+#ifndef PHYSMAS_SPLAT_IMAGE_IO_H
+#define PHYSMAS_SPLAT_IMAGE_IO_H
+
+#include <string>
+#include <vector>
+
+#include "scene/image.h"
+#include "splat/renderer.h"
+
+namespace physmas::splat {
+
+// RGB, cut to 0..1 and rounded to the nearest of 256 levels.
+Image quantize(const RenderedImage& image);
+
+// RGBA with straight alpha, for images that were rendered over a black background.
+Image quantize_with_alpha(const RenderedImage& image);
+
+// Writes a PNG of 1, 3 or 4 channels. Atomic; the same pixels give the same bytes. Returns whether the file changed.
+// Throws an Error (exit code 3) when the file cannot be written.
+bool save_png(const std::string& path, const Image& image);
+
+// Reads an 8-bit PNG or JPEG: grey, RGB or RGBA as stored; 16-bit files are reduced to 8 bits, palettes expanded.
+// Throws an Error (exit code 3) naming the file when it is no readable image, or a PNG of more than 2^28 pixels.
+Image load_image(const std::string& path);
+
+// Pictures side by side in a grid of `columns`, each with its caption (such as the frame number) below it; all of the
+// first one's channels. Pictures are scaled down to at most cell_width pixels in width and must be of one size.
+Image contact_sheet(const std::vector<Image>& pictures, const std::vector<std::string>& captions, int columns,
+                    int cell_width);
+
+}  // namespace physmas::splat
+
+#endif
