@@ -1,0 +1,86 @@
+#include "screen/gates.h"
+
+#include <algorithm>
+
+#include "records/evaluator.h"
+
+namespace physmas::screen {
+namespace {
+
+constexpr double kSpread = 2.0;  // foreground-box area, last over first
+constexpr double kFlatHeight = 0.45, kFlatWidth = 1.25;
+constexpr double kSupportE = 1e7;  // Pa
+constexpr const char* kExemptTransform = "solver-compatible";
+
+using Gate = ScreenedCandidate::Gate;
+
+Gate plan_gate(const Plan& plan) {
+  return {"plan", plan.resolved, {{"resolved", plan.resolved}}, {{"resolved", true}}};
+}
+
+Gate process_gate(const ExecutionRecord& execution) {
+  return {"process",
+          execution.exit == 0 && execution.signal == 0,
+          {{"exit", execution.exit}, {"signal", execution.signal}},
+          {{"exit", 0}, {"signal", 0}}};
+}
+
+Gate numerical_gate(const ExecutionRecord& execution) {
+  return {"numerical",
+          !execution.diverged && execution.error_tokens.empty(),
+          {{"status", execution.diverged ? "diverged" : "stable"}, {"error_tokens", execution.error_tokens}},
+          {{"status", "stable"}, {"error_tokens", Json::array()}}};
+}
+
+Gate spread_gate(const Endpoints& endpoints) {
+  Gate gate{"spread", true, nullptr, {{"area_growth_at_most", kSpread}}};
+  if (!endpoints.valid) return gate;
+  gate.measured = {{"area_growth", endpoints.area_growth}};
+  gate.passed = endpoints.area_growth <= kSpread;
+  return gate;
+}
+
+Gate flattening_gate(const Endpoints& endpoints) {
+  Gate gate{"flattening",
+            true,
+            nullptr,
+            {{"refused_height_ratio_below", kFlatHeight}, {"with_width_ratio_above", kFlatWidth}}};
+  if (!endpoints.valid) return gate;
+  gate.measured = {{"height_ratio", endpoints.height_ratio}, {"width_ratio", endpoints.width_ratio}};
+  gate.passed = !(endpoints.height_ratio < kFlatHeight && endpoints.width_ratio > kFlatWidth);
+  return gate;
+}
+
+Gate support_gate(const Candidate& candidate, const Inventory& inventory) {
+  Gate gate{"support", true, nullptr, {{"E_at_least", kSupportE}}};
+  const CandidateRow* softest = nullptr;
+  for (const CandidateRow& row : candidate.rows) {
+    if (!evaluator_support(inventory.rows[row.row], row)) continue;
+    if (softest == nullptr || row.E < softest->E) softest = &row;
+  }
+  if (softest == nullptr) return gate;
+  const bool exempt = candidate.transform == kExemptTransform;
+  gate.measured = {{"softest_support", softest->key}, {"E", softest->E}, {"exempt", exempt}};
+  gate.passed = exempt || softest->E >= kSupportE;
+  return gate;
+}
+
+}  // namespace
+
+void check_gates(ScreenedCandidate& screened, const Executed& executed, const SceneRecords& scene) {
+  const Endpoints endpoints = endpoints_of(executed.render, scene.frames);
+  screened.gates = {
+      plan_gate(scene.plan),  process_gate(executed.execution), numerical_gate(executed.execution),
+      spread_gate(endpoints), flattening_gate(endpoints),       support_gate(executed.candidate, scene.inventory)};
+  screened.valid =
+      std::all_of(screened.gates.begin(), screened.gates.end(), [](const Gate& gate) { return gate.passed; });
+}
+
+bool gate_passed(const ScreenedCandidate& screened, const char* name) {
+  for (const Gate& gate : screened.gates) {
+    if (gate.name == name) return gate.passed;
+  }
+  throw internal_error(std::string("no gate named ") + name);
+}
+
+}  // namespace physmas::screen

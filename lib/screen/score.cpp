@@ -1,0 +1,123 @@
+#include "screen/score.h"
+
+#include <algorithm>
+#include <functional>
+#include <set>
+
+#include "records/evaluator.h"
+#include "records/text_match.h"
+
+namespace physmas::screen {
+namespace {
+
+// w of Eq. supp-critic, in the order of phi.
+constexpr double kVideoWeight = 1, kPartWeight = 0.27, kDiversityWeight = 0.10, kRoleWeight = 0.25, kBaseWeight = 0.15,
+                 kDensityWeight = 0.08, kSolverWeight = 0.15;
+constexpr double kPenaltyCap = 0.12, kProjectionPenalty = 0.025, kBondPenalty = 0.035;
+constexpr long kSmallVideo = 4096;  // bytes
+
+const FrameForeground* find_frame(const RenderRecord& render, int t) {
+  for (const FrameForeground& frame : render.frames) {
+    if (frame.frame == t) return &frame;
+  }
+  return nullptr;
+}
+
+void score_video(ScreenedCandidate& screened, const RenderRecord& render, const Endpoints& endpoints) {
+  const auto add = [&](const char* term, double value) {
+    screened.video_terms.emplace_back(term, value);
+    screened.video += value;
+  };
+  screened.video = 0;
+  if (render.video.empty()) {
+    add("no video", -0.15);
+  } else if (render.file_size < kSmallVideo) {
+    add("video below 4096 bytes", -0.20);
+  } else {
+    add("video of at least 4096 bytes", 0.20);
+  }
+  if (!endpoints.valid) return;
+  add("foreground in the first and the last frame", 0.12);
+  if (endpoints.area_growth > 2.0) {
+    add("foreground area grows above 2.0x", -0.25);
+  } else if (endpoints.area_growth > 1.45) {
+    add("foreground area grows above 1.45x", -0.10);
+  }
+  if (endpoints.height_ratio < 0.45 && endpoints.width_ratio > 1.25)
+    add("height falls below 0.45x while width exceeds 1.25x", -0.22);
+  if (endpoints.dark_ratio > 0.18) add("dark foreground above 0.18", -0.08);
+}
+
+double role_score(const InventoryRow& part, const CandidateRow& row) {
+  const std::string name = match_text({part.name});
+  if (contains_any(name, {"head", "blade", "tip", "plate", "support", "stand", "tray", "dish", "shell", "frame"}))
+    return row.E >= 1e6 && row.branch == Branch::metal ? 1 : 0.35;
+  if (contains_any(name, {"rubber", "sole", "tire", "wheel", "foam", "cushion"})) return row.E <= 1e8 ? 1 : 0.5;
+  return 0.7;
+}
+
+double density_score(const CandidateRow& row) {
+  if (row.rho < 250) return 0.35;
+  return row.rho > 5000 ? 0.55 : 1;
+}
+
+// The solver lookup of a row with C-hat = 1.
+double solver_score(const InventoryRow& part, const CandidateRow& row) {
+  if (row.label == kPlasticine && contains_any(match_text({part.name}), {"clay", "putty", "plasticine", "dough"}))
+    return row.branch == Branch::plasticine ? 1 : 0.7;
+  if (row.branch == Branch::jelly) return 1;
+  return row.branch == Branch::foam || row.branch == Branch::plasticine ? 0.55 : 0.7;
+}
+
+}  // namespace
+
+Endpoints endpoints_of(const RenderRecord& render, int frames) {
+  const FrameForeground *first = find_frame(render, 0), *last = find_frame(render, frames - 1);
+  Endpoints endpoints;
+  endpoints.valid = first != nullptr && last != nullptr && first->present && last->present;
+  if (!endpoints.valid) return endpoints;
+  endpoints.area_growth = static_cast<double>(last->area()) / static_cast<double>(first->area());
+  endpoints.height_ratio = static_cast<double>(last->height()) / first->height();
+  endpoints.width_ratio = static_cast<double>(last->width()) / first->width();
+  endpoints.dark_ratio = last->dark_ratio;
+  return endpoints;
+}
+
+void score_candidate(ScreenedCandidate& screened, const Executed& executed, const SceneRecords& scene) {
+  const Candidate& candidate = executed.candidate;
+  const double count = static_cast<double>(candidate.rows.size());
+  // Means are sums in row order divided by the count.
+  const auto mean = [&](const std::function<double(const InventoryRow&, const CandidateRow&)>& score) {
+    double sum = 0;
+    for (const CandidateRow& row : candidate.rows) sum += score(scene.inventory.rows[row.row], row);
+    return sum / count;
+  };
+  score_video(screened, executed.render, endpoints_of(executed.render, scene.frames));
+  screened.part_confidence =
+      mean([&](const InventoryRow&, const CandidateRow& row) { return scene.evidence.rows[row.row].part_confidence; });
+  std::set<int> labels;
+  for (const CandidateRow& row : candidate.rows) labels.insert(row.label);
+  screened.diversity = static_cast<double>(labels.size()) / count;
+  screened.role = mean(role_score);
+  screened.base = candidate.base_confidence;
+  screened.density = mean([](const InventoryRow&, const CandidateRow& row) { return density_score(row); });
+  double solver = 0;
+  int cohesive = 0;
+  for (const CandidateRow& row : candidate.rows) {
+    const InventoryRow& part = scene.inventory.rows[row.row];
+    if (!evaluator_cohesive(part, row)) continue;
+    solver += solver_score(part, row);
+    ++cohesive;
+  }
+  screened.solver = cohesive == 0 ? 0.7 : solver / cohesive;
+
+  const auto projected = std::count_if(candidate.projection.begin(), candidate.projection.end(),
+                                       [](const auto& entry) { return entry.second > 0; });
+  screened.penalty = std::min(kPenaltyCap, kProjectionPenalty * static_cast<double>(projected) +
+                                               kBondPenalty * static_cast<double>(candidate.retention.size()));
+  screened.score = kVideoWeight * screened.video + kPartWeight * screened.part_confidence +
+                   kDiversityWeight * screened.diversity + kRoleWeight * screened.role + kBaseWeight * screened.base +
+                   kDensityWeight * screened.density + kSolverWeight * screened.solver - screened.penalty;
+}
+
+}  // namespace physmas::screen

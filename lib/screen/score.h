@@ -1,0 +1,48 @@
+// The execution score Q_exec and its features (paper, "Validity Gate, Ranking, and Tie Rules", Eq. supp-critic).
+#ifndef PHYSMAS_SCREEN_SCORE_H
+#define PHYSMAS_SCREEN_SCORE_H
+
+#include <vector>
+
+#include "records/candidate.h"
+#include "records/evidence.h"
+#include "records/execution.h"
+#include "records/inventory.h"
+#include "records/plan.h"
+#include "records/render.h"
+#include "records/screen.h"
+
+namespace physmas::screen {
+
+// What every candidate of a scene is judged with.
+struct SceneRecords {
+  const Inventory& inventory;
+  const Evidence& evidence;
+  const Plan& plan;
+  int frames = 0;  // T, the rest frame included
+  double tau = 0;  // acceptance threshold
+};
+
+// An executed candidate.
+struct Executed {
+  Candidate candidate;
+  ExecutionRecord execution;
+  RenderRecord render;
+};
+
+// First and last foreground boxes: rendered frames 0 and T-1. Not valid when one of them is missing or empty.
+struct Endpoints {
+  bool valid = false;
+  double area_growth = 0;   // last over first, box width x height
+  double height_ratio = 0;  // last over first
+  double width_ratio = 0;
+  double dark_ratio = 0;  // of the last frame
+};
+Endpoints endpoints_of(const RenderRecord& render, int frames);
+
+// Fills features, video terms, penalty and score.
+void score_candidate(ScreenedCandidate& screened, const Executed& executed, const SceneRecords& scene);
+
+}  // namespace physmas::screen
+
+#endif
