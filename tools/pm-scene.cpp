@@ -47,9 +47,12 @@ int main(int argc, char** argv) {
     import_command->add_option("--drop", import.drop, "Height above the floor that is added, solver units")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str();
-    import_command->add_option("--elevation", import.elevation, "Of the four views that are rendered, degrees")
-        ->check(CLI::Range(-80.0, 80.0))
-        ->capture_default_str();
+    const auto add_angle = [&](const char* flag, double& value, double limit, const char* text) {
+      import_command->add_option(flag, value, text)->check(CLI::Range(-limit, limit))->capture_default_str();
+    };
+    add_angle("--view-elevation", import.view_elevation, 80, "Of the four views that are rendered, degrees");
+    add_angle("--azimuth", import.azimuth, 360, "Of the output camera, degrees from the front to the right");
+    add_angle("--elevation", import.elevation, 80, "Of the output camera, degrees");
 
     slice_command =
         app.add_subcommand("slice", "One slice of scene.json per stage, each rewritten only when it changes");

@@ -121,6 +121,7 @@ Shape shape_from(const Json& json, double spacing, const std::string& file, cons
     copies.type = static_cast<Shape::Copies::Type>(index_of(kCopies, c.at("type").get<std::string>()));
     read(c, "count", copies.count);
     read(c, "center", copies.center);
+    read(c, "rotation", copies.rotation);
     read(c, "radius", copies.radius);
     read(c, "start", copies.start);
     read(c, "tilt", copies.tilt);

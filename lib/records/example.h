@@ -46,6 +46,7 @@ struct ExampleShape {
     enum class Type { ring = 0, spiral, scatter } type = Type::ring;
     int count = 1;
     Eigen::Vector3d center = {0, 0, 0};
+    Eigen::Vector3d rotation = {0, 0, 0};  // of the whole arrangement
     double radius = 0;
     double start = 0, tilt = 0;
     double position_jitter = 0, rotation_jitter = 0, scale_jitter = 0;

@@ -43,10 +43,16 @@ double to_whole(double x) {
   return std::abs(x - std::round(x));
 }
 
-// The ribs of a basketball: two great circles, and a curve around each end of the x axis.
-bool on_seam(const Vector3d& direction, double width) {
+// 1 on a line, 0 away from it, with a soft edge that hides how coarse the samples are.
+double line(double distance, double half_width) {
+  return smooth(1.5 - distance / half_width);
+}
+
+// Distance on the unit sphere to the ribs of a basketball: two great circles, and a curve around each end of the x
+// axis.
+double to_seam(const Vector3d& direction) {
   const double curve = std::abs(direction.x()) - (0.42 + 0.38 * direction.z() * direction.z());
-  return std::abs(direction.z()) < width || std::abs(direction.x()) < width || std::abs(curve) < width;
+  return std::min({std::abs(direction.z()), std::abs(direction.x()), std::abs(curve)});
 }
 
 }  // namespace
@@ -80,11 +86,11 @@ Vector3d pattern_color(const ExampleShape& shape, const SurfaceSample& sample, c
         // Two families of helices; the cells between them are about as high as they are wide.
         const double turn = std::atan2(p.y(), p.x()) / (2 * kPi) * pattern.count;
         const double rise = level * pattern.count * extent.z() / (kPi * std::max(extent.x(), extent.y()));
-        mix = std::min(to_whole(turn + rise), to_whole(turn - rise)) < 0.5 * pattern.amount ? 1 : 0;
+        mix = line(std::min(to_whole(turn + rise), to_whole(turn - rise)), 0.5 * pattern.amount);
         break;
       }
       case Type::seams:
-        mix = on_seam((p - 0.5 * (low + high)).normalized(), 0.1 * pattern.amount) ? 1 : 0;
+        mix = line(to_seam((p - 0.5 * (low + high)).normalized()), 0.1 * pattern.amount);
         break;
     }
     color += mix * (pattern.color - color);

@@ -43,13 +43,15 @@ double turn_at(const Polyline& line, size_t i) {
 
 // Corners that turn by more than this are edges of the shape.
 constexpr double kSharp = 30 * kPi / 180;
+// Bends above this are rounded when the author asks for it.
+constexpr double kBend = 3 * kPi / 180;
 
 Polyline rounded(const Polyline& line, double radius) {
   if (radius <= 0) return line;
   Polyline out = {line.front()};
   for (size_t i = 1; i + 1 < line.size(); ++i) {
     const double turn = turn_at(line, i);
-    if (turn < kSharp) {
+    if (turn < kBend) {
       out.push_back(line[i]);
       continue;
     }
@@ -200,6 +202,11 @@ Surface leaf(double length, double width, double droop) {
   return surface;
 }
 
+// x rounded to a count, at least `least`.
+int whole(double x, int least) {
+  return std::max(least, static_cast<int>(std::min(x + 0.5 + kSlack, 1e9)));
+}
+
 double row_length(const SurfacePatch& patch, double u) {
   constexpr int kSteps = 64;
   double length = 0;
@@ -287,17 +294,17 @@ Surface make_surface(const ExampleShape& shape) {
   return surface;
 }
 
-std::vector<SurfaceSample> sample_patch(const SurfacePatch& patch, double spacing, Random& random) {
+std::vector<SurfaceSample> sample_patch(const SurfacePatch& patch, double spacing, Random& random, size_t limit) {
   std::vector<SurfaceSample> samples;
   const std::vector<double> columns = column_lengths(patch);
-  const int rows = std::max(1, static_cast<int>(columns.back() / spacing + 0.5 + kSlack));
-  for (int i = 0; i < rows; ++i) {
+  const int rows = whole(columns.back() / spacing, 1);
+  for (int i = 0; i < rows && samples.size() <= limit; ++i) {
     const double u = parameter_at(columns, columns.back() * (i + 0.5) / rows);
     const double u_step =
         parameter_at(columns, columns.back() * (i + 1.0) / rows) - parameter_at(columns, columns.back() * i / rows);
-    const int count = std::max(patch.closed ? 3 : 1, static_cast<int>(row_length(patch, u) / spacing + 0.5 + kSlack));
+    const int count = whole(row_length(patch, u) / spacing, patch.closed ? 3 : 1);
     const double phase = patch.closed ? random.uniform() : 0.5;
-    for (int k = 0; k < count; ++k) {
+    for (int k = 0; k < count && samples.size() <= limit; ++k) {
       SurfaceSample sample;
       sample.u = u;
       sample.v = (k + phase) / count;

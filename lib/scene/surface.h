@@ -36,7 +36,8 @@ struct SurfaceSample {
 Surface make_surface(const ExampleShape& shape);
 
 // Rows of samples about `spacing` apart, each row turned by a random phase where the patch is closed. spacing > 0.
-std::vector<SurfaceSample> sample_patch(const SurfacePatch& patch, double spacing, Random& random);
+// Stops at limit + 1 samples.
+std::vector<SurfaceSample> sample_patch(const SurfacePatch& patch, double spacing, Random& random, size_t limit);
 
 }  // namespace physmas
 

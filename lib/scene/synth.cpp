@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "base/error.h"
-#include "scene/color.h"
 #include "scene/pattern.h"
 #include "scene/surface.h"
 #include "scene/view_rig.h"
@@ -20,11 +19,7 @@ using Eigen::Vector3d;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kCover = 0.62;      // standard deviation by cell edge: neighbours overlap without gaps
 constexpr double kThickness = 0.16;  // standard deviation across the surface by spacing
-constexpr size_t kMaxGaussians = 10000000;
-// Appearance hints: colours are added until every Gaussian's is this near to one of them (CIELAB).
-constexpr double kHintReach = 9;
-constexpr size_t kMaxHints = 12;
-constexpr double kHintTolerance = 18;
+constexpr size_t kMaxGaussians = 2000000;
 
 // A place to put a shape: p -> scale * R p + t.
 struct Pose {
@@ -49,6 +44,7 @@ std::vector<Pose> poses_of(const ExampleShape& shape, Random& random) {
   if (!shape.copies) return {own};
   using Type = ExampleShape::Copies::Type;
   const ExampleShape::Copies& copies = *shape.copies;
+  const Matrix3d turn = rotation_of(copies.rotation);
   std::vector<Pose> poses;
   for (int i = 0; i < copies.count; ++i) {
     double angle = copies.start * kPi / 180, radius = copies.radius;
@@ -69,11 +65,11 @@ std::vector<Pose> poses_of(const ExampleShape& shape, Random& random) {
     const Vector3d spin(random.symmetric(), random.symmetric(), random.symmetric());
     const double grow = 1 + copies.scale_jitter * random.symmetric();
     // x points outwards in each place; a positive tilt turns z towards it.
-    const Matrix3d place = rotation_of({0, 0, angle * 180 / kPi}) * rotation_of({0, copies.tilt, 0});
+    const Matrix3d place = turn * rotation_of({0, 0, angle * 180 / kPi}) * rotation_of({0, copies.tilt, 0});
     Pose pose;
     pose.R = place * rotation_of(copies.rotation_jitter * spin) * own.R;
     pose.scale = grow;
-    pose.t = copies.center + radius * Vector3d(std::cos(angle), std::sin(angle), 0) + place * own.t +
+    pose.t = copies.center + radius * (turn * Vector3d(std::cos(angle), std::sin(angle), 0)) + place * own.t +
              copies.position_jitter * shake;
     poses.push_back(pose);
   }
@@ -169,8 +165,6 @@ class Builder {
     row.structural_role = part.structural_role;
     row.physics_group = part.physics_group;
     row.expected_labels = part.expected_labels;
-    row.hints.colors = hint_colors(first);
-    row.hints.tolerance = kHintTolerance;
     out_.row.resize(out_.gaussians.size(), static_cast<int32_t>(out_.inventory.rows.size()));
     out_.inventory.rows.push_back(std::move(row));
   }
@@ -181,10 +175,11 @@ class Builder {
     const ExampleShape& shape = *placed.shape;
     std::vector<SurfaceSample> samples;
     for (const SurfacePatch& patch : placed.surface.patches) {
-      for (const SurfaceSample& sample : sample_patch(patch, shape.spacing / pose.scale, random))
-        samples.push_back(sample);
+      const size_t limit = kMaxGaussians - out_.gaussians.size() - samples.size();
+      const std::vector<SurfaceSample> more = sample_patch(patch, shape.spacing / pose.scale, random, limit);
+      samples.insert(samples.end(), more.begin(), more.end());
       if (out_.gaussians.size() + samples.size() > kMaxGaussians) {
-        throw invalid_input({file_, "/spacing", "a spacing that needs more than ten million Gaussians",
+        throw invalid_input({file_, "/spacing", "a spacing that needs more than two million Gaussians",
                              "a larger spacing, or smaller shapes"});
       }
     }
@@ -225,36 +220,6 @@ class Builder {
     g.rotation[i] = {rounded(q.w()), rounded(q.x()), rounded(q.y()), rounded(q.z())};
     g.opacity_logit[i] = rounded(std::log(shape.opacity / (1 - shape.opacity)));
     g.sh[i] = color.unaryExpr([](double c) { return rounded((c - 0.5) / kSh0); });
-  }
-
-  // The colours of the Gaussians from `first` on, thinned out: the mean, then always the one farthest from all so far.
-  std::vector<Vector3d> hint_colors(size_t first) const {
-    const Gaussians& g = out_.gaussians;
-    std::vector<Vector3d> colors, labs;
-    Vector3d mean = Vector3d::Zero();
-    for (size_t i = first; i < g.size(); ++i) {
-      const Vector3d color = (g.sh[i].cast<double>() * kSh0).array() + 0.5;
-      colors.push_back(color.cwiseMax(0).cwiseMin(1).unaryExpr([](double c) { return std::nearbyint(c * 255) / 255; }));
-      labs.push_back(lab_of_srgb(colors.back()));
-      mean += labs.back() / static_cast<double>(g.size() - first);
-    }
-    std::vector<Vector3d> chosen;
-    std::vector<double> distance(labs.size(), std::numeric_limits<double>::max());
-    const auto choose = [&](size_t k) {
-      chosen.push_back(colors[k]);
-      for (size_t i = 0; i < labs.size(); ++i) distance[i] = std::min(distance[i], (labs[i] - labs[k]).norm());
-    };
-    size_t nearest = 0;
-    for (size_t i = 1; i < labs.size(); ++i) {
-      if ((labs[i] - mean).norm() < (labs[nearest] - mean).norm()) nearest = i;
-    }
-    choose(nearest);
-    while (chosen.size() < kMaxHints) {
-      const size_t farthest = std::max_element(distance.begin(), distance.end()) - distance.begin();
-      if (distance[farthest] < kHintReach) break;
-      choose(farthest);
-    }
-    return chosen;
   }
 
   static constexpr double kSh0 = 0.28209479177387814;

@@ -14,13 +14,13 @@ namespace physmas {
 struct SynthScene {
   Gaussians gaussians;       // scene space, spherical harmonics of degree 0
   std::vector<int32_t> row;  // [N] the true row of every Gaussian, index into inventory.rows
-  Inventory inventory;       // authored: with the colours of every part as appearance hints
+  Inventory inventory;       // authored, without appearance hints
 };
 
 // Covers every surface with flat Gaussians that lie along it. The same example gives the same Gaussians, bit for bit,
 // on any machine: values are rounded to multiples of 2^-20. Where shapes of one part overlap, the hidden pieces are
 // left out. file: the example's, for messages. Throws an Error (exit code 3) when a part keeps no Gaussian, or when the
-// spacing asks for more than ten million of them.
+// spacing asks for more than two million of them.
 SynthScene synthesize(const Example& example, const std::string& file);
 
 }  // namespace physmas

@@ -26,7 +26,6 @@ namespace {
 
 constexpr double kFloorFriction = 0.45;
 constexpr double kFloorRoom = 2;  // cells between the lower wall and the floor that we add
-constexpr ViewDirection kOutputDirection = {25, 15};
 constexpr double kOutputFov = 40, kOutputMargin = 0.12;
 
 // "My Guitar.compressed.ply" -> "my-guitar".
@@ -204,13 +203,13 @@ void write_import_bundle(const ImportOptions& options) {
     copies = std::move(user.files);
   } else {
     const std::vector<Camera> cameras =
-        view_cameras(means, options.elevation, {options.up, kViewFov, kViewMargin, kViewSize, kViewSize});
+        view_cameras(means, options.view_elevation, {options.up, kViewFov, kViewMargin, kViewSize, kViewSize});
     rendered = render_view_images(gaussians, cameras, scene.run.render);
     for (size_t i = 0; i < cameras.size(); ++i)
       scene.views.push_back({kViewNames[i], options.folder + "/views/" + kViewNames[i] + ".png", cameras[i]});
   }
   scene.output_cameras = {
-      frame_points(points_to_frame(means, gaussians, scene.run), kOutputDirection,
+      frame_points(points_to_frame(means, gaussians, scene.run), {options.azimuth, options.elevation},
                    {options.up, kOutputFov, kOutputMargin, scene.run.render.width, scene.run.render.height})};
 
   Provenance provenance;

@@ -7,18 +7,20 @@
 namespace physmas::splat {
 
 struct ImportOptions {
-  std::string gaussians;  // .ply, .compressed.ply or .splat
-  std::string prompt;     // not blank
-  std::string folder;     // of the bundle
-  std::string up = "-y";  // raw captures have y down
-  std::string name;       // empty: made from the file's name
-  std::string views;      // folder with the user's four images, or empty
-  std::string cameras;    // JSON list of {name, image, camera}, with `views` only
-  std::string inventory;  // authored inventory, or empty
-  std::string masks;      // folder with VIEW/OBJECT.png and VIEW/OBJECT/PART.png, or empty
-  std::string run;        // partial run specification, or empty
-  double drop = 0.15;     // height of the lowest mean above the floor that is added, solver units, >= 0
-  double elevation = 10;  // of the four views that we render, degrees
+  std::string gaussians;       // .ply, .compressed.ply or .splat
+  std::string prompt;          // not blank
+  std::string folder;          // of the bundle
+  std::string up = "-y";       // raw captures have y down
+  std::string name;            // empty: made from the file's name
+  std::string views;           // folder with the user's four images, or empty
+  std::string cameras;         // JSON list of {name, image, camera}, with `views` only
+  std::string inventory;       // authored inventory, or empty
+  std::string masks;           // folder with VIEW/OBJECT.png and VIEW/OBJECT/PART.png, or empty
+  std::string run;             // partial run specification, or empty
+  double drop = 0.15;          // height of the lowest mean above the floor that is added, solver units, >= 0
+  double view_elevation = 10;  // of the four views that we render, degrees
+  double azimuth = 25;         // of the output camera, degrees from the front towards the right
+  double elevation = 15;       // of the output camera, degrees
 };
 
 // Reads and checks everything, then writes the bundle: gaussians.ply, views, the authored files and, last, scene.json.

@@ -11,6 +11,7 @@
 #include "scene/scene.h"
 #include "scene/synth.h"
 #include "scene/view_rig.h"
+#include "splat/color_hints.h"
 #include "splat/image_io.h"
 #include "splat/views.h"
 
@@ -65,7 +66,7 @@ std::vector<Eigen::Vector3d> points_to_frame(const Example& example, const Gauss
 
 void write_synth_bundle(const std::string& example_path, const std::string& folder) {
   const Example example = load_example(example_path);
-  const SynthScene synth = synthesize(example, example_path);
+  SynthScene synth = synthesize(example, example_path);
   Scene scene;
   scene.name = example.name;
   scene.prompt = example.prompt;
@@ -76,6 +77,7 @@ void write_synth_bundle(const std::string& example_path, const std::string& fold
   const std::vector<Camera> cameras = view_cameras(means_of(synth.gaussians), example.camera.view_elevation,
                                                    {example.up, kViewFov, kViewMargin, kViewSize, kViewSize});
   const std::vector<Image> images = render_view_images(synth.gaussians, cameras, scene.run.render);
+  add_color_hints(synth.gaussians, synth.row, cameras, scene.run.render, synth.inventory);
   scene.output_cameras = {frame_points(
       points_to_frame(example, synth.gaussians), {example.camera.azimuth, example.camera.elevation},
       {example.up, example.camera.fov, example.camera.margin, scene.run.render.width, scene.run.render.height})};
