@@ -67,11 +67,11 @@ int lift_scene(const Options& options) {
   if (gaussians.size() == 0) throw invalid_input({scene.gaussians, "", "no Gaussians", "at least one"});
   log_info(fmt::format("read {} Gaussians and the masks after {:.2f} s", gaussians.size(), watch.seconds()));
 
-  const lift::Labels labels = lift::assign_rows(gaussians.position, cameras, masks, inventory);
-  log_info(
-      fmt::format("rows after {:.2f} s: {} Gaussians in no view, {} object and {} part votes, {} rescued, {} residual",
-                  watch.seconds(), labels.counts.unseen, labels.counts.object_votes, labels.counts.part_votes,
-                  labels.counts.rescued, labels.counts.residual));
+  const lift::Labels labels = lift::assign_rows({gaussians, cameras, masks, inventory, scene.run.lifting.occlusion});
+  log_info(fmt::format(
+      "rows after {:.2f} s: {} Gaussians in no view, {} hidden, {} object and {} part votes, {} rescued, {} residual",
+      watch.seconds(), labels.counts.unseen, labels.counts.hidden, labels.counts.object_votes, labels.counts.part_votes,
+      labels.counts.rescued, labels.counts.residual));
   const State state = lift::initial_state(gaussians, labels, inventory, scene.run, scene.gaussians);
   log_info(fmt::format("{} particles after {:.2f} s", state.particle_count(), watch.seconds()));
   for (const Omission& omission : state.omitted) log_info(omission.what + ": " + omission.why);

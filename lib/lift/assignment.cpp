@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "lift/evidence.h"
 #include "lift/neighbors.h"
+#include "lift/visibility.h"
 
 namespace physmas::lift {
 namespace {
@@ -89,7 +91,7 @@ long vote(const std::vector<Eigen::Vector3f>& means, const std::vector<int32_t>&
           Decision& decision) {
   std::vector<int32_t> position(means.size(), kNone);
   for (size_t m = 0; m < members.size(); ++m) position[members[m]] = static_cast<int32_t>(m);
-  const NeighborSearch search(means, members);
+  const NeighborSearch<3> search(means, members);
   std::vector<int32_t> voted = decision.best;
   long changed = 0;
 #pragma omp parallel for schedule(dynamic, 256) reduction(+ : changed)
@@ -127,7 +129,7 @@ long rescue(const std::vector<Eigen::Vector3f>& means, const std::vector<int32_t
     if (decision.best[m] != kNone) labelled.push_back(members[m]);
   }
   if (labelled.empty() || labelled.size() == members.size()) return 0;
-  const NeighborSearch search(means, labelled);
+  const NeighborSearch<3> search(means, labelled);
   std::vector<Candidate> candidates;
   for (size_t m = 0; m < members.size(); ++m) {
     if (decision.best[m] != kNone) continue;
@@ -152,13 +154,59 @@ long rescue(const std::vector<Eigen::Vector3f>& means, const std::vector<int32_t
   return rescued;
 }
 
+// Place and look of every Gaussian, in units that make both count: a tenth of the scene's size, and the difference
+// between two shades of one paint. The look is the chromaticity of the colour at degree 0 (shading scales all channels
+// alike) with a little lightness.
+std::vector<Eigen::Matrix<float, 6, 1>> places_and_looks(const Gaussians& gaussians) {
+  constexpr float kShC0 = 0.28209479177387814f;
+  constexpr float kPlaceUnit = 0.1f, kLookUnit = 0.04f, kLightness = 0.05f;
+  Eigen::Vector3f low = gaussians.position[0], high = low;
+  for (const Eigen::Vector3f& p : gaussians.position) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const float unit = std::max(kPlaceUnit * (high - low).norm(), std::numeric_limits<float>::min());
+  std::vector<Eigen::Matrix<float, 6, 1>> features(gaussians.size());
+  for (size_t i = 0; i < gaussians.size(); ++i) {
+    const Eigen::Vector3f rgb = (kShC0 * gaussians.sh_of(i)[0]).array() + 0.5f;
+    const Eigen::Vector3f cut = rgb.cwiseMax(0.02f).cwiseMin(1.0f);
+    const Eigen::Vector3f look = cut / cut.sum() + Eigen::Vector3f::Constant(kLightness * cut.mean());
+    features[i] << gaussians.position[i] / unit, look / kLookUnit;
+  }
+  return features;
+}
+
+// Members that are hidden take the vote of the reliable, seen members that are nearest to them in place and look:
+// what lies behind a surface belongs to the part that it looks like, and among parts of one look to the nearest.
+void vote_for_hidden(const std::vector<Eigen::Matrix<float, 6, 1>>& features, const std::vector<int32_t>& members,
+                     const std::vector<uint8_t>& hidden, int count, size_t labels, Decision& decision) {
+  std::vector<int32_t> seen, label_of(features.size(), kNone);
+  for (size_t m = 0; m < members.size(); ++m) {
+    const bool reliable = decision.best[m] != kNone && decision.margin[m] >= kReliableMargin;
+    if (hidden[members[m]] != 0 || !reliable) continue;
+    seen.push_back(members[m]);
+    label_of[members[m]] = decision.best[m];
+  }
+  const NeighborSearch<6> search(features, seen);
+  if (search.empty()) return;
+#pragma omp parallel for schedule(dynamic, 256)
+  for (size_t m = 0; m < members.size(); ++m) {
+    if (hidden[members[m]] == 0) continue;
+    const std::vector<Neighbor> nearest = search.nearest(features[members[m]], count);
+    const double reach = std::max(nearest.back().squared, 1e-30);
+    std::vector<double> votes(labels, 0);
+    for (const Neighbor& n : nearest) votes[label_of[n.index]] += std::exp(-n.squared / reach);
+    decision.best[m] = static_cast<int32_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
+  }
+}
+
 // Objects for the Gaussians that nothing decided: that of the nearest decided one, the first object if there is none.
 void give_nearest_object(const std::vector<Eigen::Vector3f>& means, std::vector<int32_t>& object) {
   std::vector<int32_t> decided;
   for (size_t i = 0; i < object.size(); ++i) {
     if (object[i] != kNone) decided.push_back(static_cast<int32_t>(i));
   }
-  const NeighborSearch search(means, decided);
+  const NeighborSearch<3> search(means, decided);
   std::vector<int32_t> given = object;
 #pragma omp parallel for schedule(dynamic, 256)
   for (size_t i = 0; i < object.size(); ++i) {
@@ -180,17 +228,33 @@ int residual_row_of(const Inventory& inventory, int o) {
   return -1;
 }
 
-Labels assign_rows(const std::vector<Eigen::Vector3f>& means, const std::vector<Camera>& cameras,
-                   const std::vector<ViewMasks>& views, const Inventory& inventory) {
+Labels assign_rows(const LiftingInput& input) {
+  const std::vector<Eigen::Vector3f>& means = input.gaussians.position;
+  const Inventory& inventory = input.inventory;
+  const std::vector<ViewMasks>& views = input.views;
   const size_t n = means.size(), objects = inventory.objects.size();
   std::vector<std::vector<int32_t>> pixels;
-  for (const Camera& camera : cameras) pixels.push_back(project_to_pixels(means, camera));
-  std::vector<int> seen_in(n, 0);
-  for (const std::vector<int32_t>& view : pixels) {
-    for (size_t i = 0; i < n; ++i) seen_in[i] += view[i] >= 0;
-  }
+  for (const Camera& camera : input.cameras) pixels.push_back(project_to_pixels(means, camera));
   Labels labels;
-  labels.counts.unseen = std::count(seen_in.begin(), seen_in.end(), 0);
+  std::vector<uint8_t> in_image(n, 0), hidden(n, 0);
+  std::vector<int> views_of(n, 0);  // |Omega_i|
+  const bool depth_test = input.occlusion == RunSpecification::Lifting::Occlusion::depth;
+  const std::vector<std::vector<uint8_t>> visible =
+      depth_test ? visible_in_views(input.gaussians, input.cameras) : std::vector<std::vector<uint8_t>>();
+  for (size_t v = 0; v < pixels.size(); ++v) {
+    for (size_t i = 0; i < n; ++i) {
+      if (pixels[v][i] < 0) continue;
+      in_image[i] = 1;
+      if (depth_test && visible[v][i] == 0) pixels[v][i] = -1;
+      views_of[i] += pixels[v][i] >= 0;
+    }
+  }
+  for (size_t i = 0; i < n; ++i) {
+    hidden[i] = in_image[i] != 0 && views_of[i] == 0;
+    labels.counts.hidden += hidden[i];
+    labels.counts.unseen += in_image[i] == 0;
+  }
+  const std::vector<Eigen::Matrix<float, 6, 1>> features = places_and_looks(input.gaussians);
   labels.row.assign(n, kNone);
   labels.confidence.assign(n, 0);
 
@@ -203,6 +267,7 @@ Labels assign_rows(const std::vector<Eigen::Vector3f>& means, const std::vector<
   for (size_t i = 0; i < n; ++i) everyone[i] = static_cast<int32_t>(i);
   Decision by_object = Evidence(object_masks).decide(pixels, everyone);
   labels.counts.object_votes = vote(means, everyone, kObjectNeighbors, objects, by_object);
+  if (labels.counts.hidden > 0) vote_for_hidden(features, everyone, hidden, kObjectNeighbors, objects, by_object);
   labels.object = by_object.best;
   give_nearest_object(means, labels.object);
 
@@ -225,12 +290,13 @@ Labels assign_rows(const std::vector<Eigen::Vector3f>& means, const std::vector<
     Decision by_part = Evidence(part_masks).decide(pixels, members);
     const std::vector<int32_t> by_evidence = by_part.best;
     labels.counts.part_votes += vote(means, members, kPartNeighbors, rows.size(), by_part);
+    if (labels.counts.hidden > 0) vote_for_hidden(features, members, hidden, kPartNeighbors, rows.size(), by_part);
     labels.counts.rescued += rescue(means, members, by_part);
     for (size_t m = 0; m < members.size(); ++m) {
       const int32_t i = members[m];
       const bool is_residual = by_part.best[m] == kNone;
       labels.row[i] = is_residual ? residual : rows[by_part.best[m]];
-      const float mean = seen_in[i] > 0 ? by_part.evidence[m] / static_cast<float>(seen_in[i]) : 0.0f;
+      const float mean = views_of[i] > 0 ? by_part.evidence[m] / static_cast<float>(views_of[i]) : 0.0f;
       // What neighbours decided rests on no evidence of its own.
       const bool capped = is_residual || by_part.best[m] != by_evidence[m];
       labels.confidence[i] = std::min(mean, static_cast<float>(capped ? kResidualConfidenceCap : 1.0));

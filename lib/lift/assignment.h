@@ -2,7 +2,6 @@
 #ifndef PHYSMAS_LIFT_ASSIGNMENT_H
 #define PHYSMAS_LIFT_ASSIGNMENT_H
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,6 +9,8 @@
 #include "records/inventory.h"
 #include "records/masks.h"
 #include "scene/camera.h"
+#include "scene/gaussians.h"
+#include "scene/run_specification.h"
 
 namespace physmas::lift {
 
@@ -24,12 +25,21 @@ struct Labels {
     long object_votes = 0;  // ambiguous ones that their neighbours decided
     long part_votes = 0;
     long residual = 0;  // in a residual row at the end
+    long hidden = 0;    // depth test: in some view's image, but seen in none
     long rescued = 0;   // out of a residual row by the cleanup pass
   } counts;
 };
 
-// means: scene space, file order. cameras and views: the same views in the same order. Every object needs a residual
-// row. The result does not depend on the number of threads.
+// What the labels are made from.
+struct LiftingInput {
+  const Gaussians& gaussians;           // scene space, file order
+  const std::vector<Camera>& cameras;   // [views]
+  const std::vector<ViewMasks>& views;  // [views] the same views in the same order
+  const Inventory& inventory;           // every object has a residual row
+  RunSpecification::Lifting::Occlusion occlusion = RunSpecification::Lifting::Occlusion::none;
+};
+
+// The result does not depend on the number of threads.
 //
 // Objects first: b_io sums the support of object o's masks over the views of Omega_i, plus the area tie-break. A
 // Gaussian is ambiguous when its margin (best - second)/best is below 0.18 or when nothing but the tie-break supports
@@ -37,8 +47,10 @@ struct Labels {
 // then compare within the object only, with the votes of the 16 nearest of that object. What nothing supports and no
 // reliable neighbour decides is residual; the cleanup pass hands each row the nearest of the residual Gaussians whose
 // nearest labelled Gaussian has that row, up to the rescue target.
-Labels assign_rows(const std::vector<Eigen::Vector3f>& means, const std::vector<Camera>& cameras,
-                   const std::vector<ViewMasks>& views, const Inventory& inventory);
+//
+// With the depth test, views that do not see a Gaussian leave Omega_i. A Gaussian that lies behind others in every view
+// takes the vote of the reliable Gaussians that are nearest in place and colour (12 for objects, 16 for parts).
+Labels assign_rows(const LiftingInput& input);
 
 // min(candidates, max(64, round(0.003 N_G))), round half away from zero.
 long rescue_target(long candidates, long gaussians);

@@ -66,8 +66,9 @@ State initial_state(const Gaussians& gaussians, const Labels& labels, const Inve
     report_filling(filling, inventory, run, state);
     std::vector<std::vector<int32_t>> members(objects);
     for (size_t i = 0; i < n; ++i) members[labels.object[i]].push_back(static_cast<int32_t>(i));
-    std::vector<std::unique_ptr<NeighborSearch>> searches;
-    for (const std::vector<int32_t>& list : members) searches.push_back(std::make_unique<NeighborSearch>(means, list));
+    std::vector<std::unique_ptr<NeighborSearch<3>>> searches;
+    for (const std::vector<int32_t>& list : members)
+      searches.push_back(std::make_unique<NeighborSearch<3>>(means, list));
     const size_t filled = filling.position.size();
     state.position.insert(state.position.end(), filling.position.begin(), filling.position.end());
     state.object.insert(state.object.end(), filling.object.begin(), filling.object.end());

@@ -9,8 +9,9 @@ namespace physmas::lift {
 namespace {
 
 // nanoflann's view of the subset.
+template <class Point>
 struct Cloud {
-  const std::vector<Eigen::Vector3f>& points;
+  const std::vector<Point>& points;
   const std::vector<int32_t>& subset;
   size_t kdtree_get_point_count() const { return subset.size(); }
   double kdtree_get_pt(size_t i, size_t axis) const { return points[subset[i]][static_cast<int>(axis)]; }
@@ -49,35 +50,43 @@ class OrderedResults {
 
 }  // namespace
 
-struct NeighborSearch::Tree {
-  using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3, uint32_t>;
-  Cloud cloud;
-  Index index;
-  Tree(const std::vector<Eigen::Vector3f>& points, const std::vector<int32_t>& subset)
-      : cloud{points, subset}, index(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {}
+template <int Dim>
+struct NeighborSearch<Dim>::Tree {
+  using Metric = nanoflann::L2_Simple_Adaptor<double, Cloud<Point>>;
+  Cloud<Point> cloud;
+  nanoflann::KDTreeSingleIndexAdaptor<Metric, Cloud<Point>, Dim, uint32_t> index;
+  Tree(const std::vector<Point>& points, const std::vector<int32_t>& subset)
+      : cloud{points, subset}, index(Dim, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {}
 };
 
-NeighborSearch::NeighborSearch(const std::vector<Eigen::Vector3f>& points, std::vector<int32_t> subset)
+template <int Dim>
+NeighborSearch<Dim>::NeighborSearch(const std::vector<Point>& points, std::vector<int32_t> subset)
     : points_(points), subset_(std::move(subset)) {
   if (!subset_.empty()) tree_ = std::make_unique<Tree>(points_, subset_);
 }
 
-NeighborSearch::~NeighborSearch() = default;
+template <int Dim>
+NeighborSearch<Dim>::~NeighborSearch() = default;
 
-std::vector<Neighbor> NeighborSearch::nearest(const Eigen::Vector3f& query, int count) const {
+template <int Dim>
+std::vector<Neighbor> NeighborSearch<Dim>::nearest(const Point& query, int count) const {
   if (subset_.empty() || count <= 0) return {};
   OrderedResults results(std::min<size_t>(count, subset_.size()), subset_);
-  const Eigen::Vector3d q = query.cast<double>();
+  const Eigen::Matrix<double, Dim, 1> q = query.template cast<double>();
   tree_->index.findNeighbors(results, q.data(), nanoflann::SearchParams());
   return results.take();
 }
 
-std::vector<Neighbor> NeighborSearch::around(int32_t self, int count) const {
+template <int Dim>
+std::vector<Neighbor> NeighborSearch<Dim>::around(int32_t self, int count) const {
   std::vector<Neighbor> found = nearest(points_[self], count + 1);
   const auto own = std::find_if(found.begin(), found.end(), [&](const Neighbor& n) { return n.index == self; });
   if (own != found.end()) found.erase(own);
   if (found.size() > static_cast<size_t>(count)) found.resize(count);
   return found;
 }
+
+template class NeighborSearch<3>;
+template class NeighborSearch<6>;
 
 }  // namespace physmas::lift

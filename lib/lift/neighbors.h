@@ -14,28 +14,34 @@ struct Neighbor {
   double squared;  // squared distance
 };
 
-// A k-d tree over a subset of points. Distances are computed in double; equal distances come in order of the index, so
-// that the answer does not depend on how the tree was cut. Queries may run in parallel.
+// A k-d tree over a subset of points of Dim coordinates (3: places, 6: places and looks). Distances are computed in
+// double; equal distances come in order of the index, so that the answer does not depend on how the tree was cut.
+// Queries may run in parallel.
+template <int Dim>
 class NeighborSearch {
  public:
+  using Point = Eigen::Matrix<float, Dim, 1>;
   // points: must outlive the search. subset: indices into it, ascending; may be empty.
-  NeighborSearch(const std::vector<Eigen::Vector3f>& points, std::vector<int32_t> subset);
+  NeighborSearch(const std::vector<Point>& points, std::vector<int32_t> subset);
   ~NeighborSearch();
   NeighborSearch(const NeighborSearch&) = delete;
   NeighborSearch& operator=(const NeighborSearch&) = delete;
 
   // The min(count, size of the subset) nearest, by distance, then by index.
-  std::vector<Neighbor> nearest(const Eigen::Vector3f& query, int count) const;
+  std::vector<Neighbor> nearest(const Point& query, int count) const;
   // As nearest(points[self], count) without `self`.
   std::vector<Neighbor> around(int32_t self, int count) const;
   bool empty() const { return subset_.empty(); }
 
  private:
   struct Tree;
-  const std::vector<Eigen::Vector3f>& points_;
+  const std::vector<Point>& points_;
   std::vector<int32_t> subset_;
   std::unique_ptr<Tree> tree_;
 };
+
+extern template class NeighborSearch<3>;
+extern template class NeighborSearch<6>;
 
 }  // namespace physmas::lift
 

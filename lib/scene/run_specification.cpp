@@ -9,6 +9,7 @@ namespace {
 using Collider = RunSpecification::Collider;
 
 constexpr std::array<const char*, 3> kColliderTypes = {"plane", "box", "sphere"};
+constexpr std::array<const char*, 2> kOcclusions = {"none", "depth"};
 constexpr std::array<const char*, 3> kColliderModes = {"sticky", "slip", "separate"};
 
 template <size_t N>
@@ -123,6 +124,11 @@ RunSpecification run_specification_from(const Json& json, const std::string& fil
   read(particles, "per_cell", run.particles.per_cell);
   read(particles, "fill", run.particles.fill);
 
+  if (section("lifting").contains("occlusion")) {
+    run.lifting.occlusion = static_cast<RunSpecification::Lifting::Occlusion>(
+        index_of(kOcclusions, json.at("lifting").at("occlusion").get<std::string>()));
+  }
+
   const Json& profile = section("profile");
   read(profile, "foam_yield", run.profile.foam_yield);
   read(profile, "foam_viscosity", run.profile.foam_viscosity);
@@ -194,6 +200,7 @@ Json to_json(const RunSpecification& run) {
   }
   json["walls"] = run.walls;
   json["particles"] = {{"max", run.particles.max}, {"per_cell", run.particles.per_cell}, {"fill", run.particles.fill}};
+  json["lifting"] = {{"occlusion", kOcclusions[static_cast<int>(run.lifting.occlusion)]}};
   json["profile"] = {{"foam_yield", run.profile.foam_yield},
                      {"foam_viscosity", run.profile.foam_viscosity},
                      {"plasticine_yield", run.profile.plasticine_yield},

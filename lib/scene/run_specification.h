@@ -58,6 +58,12 @@ struct RunSpecification {
     bool fill = true;
   } particles;
 
+  struct Lifting {
+    // none: a Gaussian takes evidence from every view that it projects into, seen or not, as the paper writes it.
+    // depth: only from views in which nothing lies in front of it.
+    enum class Occlusion { none, depth } occlusion = Occlusion::none;
+  } lifting;
+
   // Fixed constants of the six profiles, solver-space pascals (readings, "Constitutive branches and stepping").
   struct Profile {
     double foam_yield = 2e3, foam_viscosity = 10;

@@ -30,7 +30,7 @@ const std::vector<SliceContent>& slice_contents() {
        false,
        true,
        {"/grid", "/walls", "/placement", "/time", "/render/background"}},
-      {"lift", false, true, false, true, false, false, {"/grid", "/walls", "/placement", "/particles"}},
+      {"lift", false, true, false, true, false, false, {"/grid", "/walls", "/placement", "/particles", "/lifting"}},
       {"material", false, false, true, true, false, false, {}},
       {"candidates",
        false,
