@@ -165,6 +165,9 @@ ScreenRecord screen_round(const Options& options) {
                            best->render.video.empty() ? "" : in(options.videos, best->render.video));
   }
   save_screen(options.out, record, provenance);
+  // The decision for make, which builds the next round's part of the graph from it.
+  write_file(fs::path(options.out).replace_extension(".mk").string(),
+             fmt::format("PM_DECISION{} := {}\n", record.round, record.decision));
   if (record.decision == "accept") {
     publish(options, record, *best, run.time.frames);
   } else {
