@@ -77,10 +77,14 @@ void Team::serve() {
       continue;
     }
     std::unique_lock<std::mutex> lock(mutex_);
+    const std::uint64_t job = ticket_.load() >> 32;
     sleeping_.fetch_add(1);
     // A job opened before the count of sleepers rose is not announced: the condition is checked before the first wait.
+    // One that is over by the time this thread wakes ends the sleep as well: where there was one job, the next is near.
     wake_.wait(lock, [&] {
-      return ending_.load() || static_cast<std::uint32_t>(ticket_.load()) < static_cast<std::uint32_t>(count_.load());
+      const std::uint64_t ticket = ticket_.load();
+      return ending_.load() || ticket >> 32 != job ||
+             static_cast<std::uint32_t>(ticket) < static_cast<std::uint32_t>(count_.load());
     });
     sleeping_.fetch_sub(1);
     round = 0;
