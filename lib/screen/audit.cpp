@@ -1,26 +1,31 @@
 #include "screen/audit.h"
 
 #include <filesystem>
-#include <opencv2/videoio.hpp>
 #include <set>
+
+#include "splat/video.h"
 
 namespace physmas::screen {
 
-int count_decodable_frames(const std::string& path) {
-  std::error_code failure;
-  if (!std::filesystem::is_regular_file(path, failure)) return 0;
-  cv::VideoCapture capture(path, cv::CAP_FFMPEG);
-  int count = 0;
-  cv::Mat frame;
-  while (capture.isOpened() && capture.read(frame)) ++count;
-  return count;
+namespace {
+
+// Frames of the video after decoding all of them, or the decoder's complaint, without the path that it starts with.
+Json decoded_frames(const std::string& video) {
+  try {
+    return splat::count_decodable_frames(video);
+  } catch (const Error& e) {
+    const std::string text = e.what(), prefix = video + ": ";
+    return text.rfind(prefix, 0) == 0 ? text.substr(prefix.size()) : text;
+  }
 }
+
+}  // namespace
 
 void audit_accepted(ScreenRecord& record, const Executed& executed, const SceneRecords& scene,
                     const std::string& video) {
   std::error_code failure;
   const bool exists = !video.empty() && std::filesystem::is_regular_file(video, failure);
-  const int frames = exists ? count_decodable_frames(video) : 0;
+  const Json frames = exists ? decoded_frames(video) : Json(0);
   std::set<std::string> objects;
   for (const CandidateRow& row : executed.candidate.rows) objects.insert(scene.inventory.rows[row.row].object);
   const bool several = objects.size() > 1;

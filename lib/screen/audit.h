@@ -8,9 +8,6 @@
 
 namespace physmas::screen {
 
-// Decodes the whole video and counts its frames; 0 when it cannot be opened.
-int count_decodable_frames(const std::string& path);
-
 // Audits the accepted candidate: the video exists, decodes to exactly T frames, and a multi-object candidate bonds no
 // interface. Fills the audit of `record`; a failed check turns its decision into fail.
 // video: path of the candidate's video, empty when none was rendered.

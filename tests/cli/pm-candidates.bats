@@ -91,3 +91,24 @@ setup() {
   candidates
   [ "$(cat candidates/round0.mk)" = "PM_ROUND0 := posterior target-impact" ]
 }
+
+@test "pm-candidates: the row followed by hand in docs/method.md" {
+  sed -i 's/"frames": 3/"frames": 3}, "screening": {"initial": 10/' scene.json
+  material --predictor material-records.json
+  candidates
+  sponge() { # ID BRANCH E NU RHO
+    grep -A5 '"key": "cake/sponge"' "candidates/$1.json" >row.txt
+    grep -q "\"branch\": \"$2\"" row.txt && grep -q "\"E\": $3" row.txt && grep -q "\"nu\": $4" row.txt && grep -q "\"rho\": $5" row.txt
+  }
+  sponge posterior Foam 13404.516 0.3092 300
+  sponge target-impact Foam 20000.0 0.3092 300
+  sponge hard-support-bonded Plasticine 200000.0 0.45 2000
+  sponge support-stiff Foam 13404.516 0.3092 300
+  sponge solver-compatible Plasticine 200000.0 0.45 2000
+  sponge rigid-support Foam 7966.502 0.3427 300
+  sponge soft Foam 7966.502 0.3427 300
+  sponge stiff Foam 22554.574 0.3092 300
+  sponge uncertainty-sweep Foam 13404.516 0.3427 300
+  sponge alternative-material Foam 13404.516 0.3092 300
+  grep -A6 '"key": "cake/icing"' candidates/alternative-material.json | grep -q '"label": "Foam"'
+}

@@ -6,7 +6,6 @@
 //   make_fixture render ID VIDEO OUT FRAMES X1 Y1      a render record; boxes 0 0 10 10 at first, 0 0 X1 Y1 at last
 #include <cstdio>
 #include <filesystem>
-#include <opencv2/videoio.hpp>
 #include <random>
 
 #include "base/error.h"
@@ -16,6 +15,7 @@
 #include "records/masks.h"
 #include "records/render.h"
 #include "records/state.h"
+#include "splat/video.h"
 
 using namespace physmas;
 
@@ -66,17 +66,14 @@ void make_state(const Arguments& a) {
 }
 
 void make_video(const Arguments& a) {
-  AtomicFile out(a.at(0), ".mp4");
-  cv::VideoWriter writer(out.temporary_path(), cv::VideoWriter::fourcc('m', 'p', '4', 'v'), 25, {64, 64});
-  if (!writer.isOpened()) throw internal_error("OpenCV cannot write an mp4 file");
+  splat::VideoWriter writer(a.at(0), 64, 64, 25);
   std::mt19937 random(7);
   for (int t = 0; t < std::stoi(a.at(1)); ++t) {
-    cv::Mat frame(64, 64, CV_8UC3);
-    for (size_t i = 0; i < frame.total() * 3; ++i) frame.data[i] = static_cast<uint8_t>(random());
+    Image frame(64, 64, 3);
+    for (uint8_t& value : frame.pixels) value = static_cast<uint8_t>(random());
     writer.write(frame);
   }
-  writer.release();
-  out.commit();
+  writer.finish();
 }
 
 void make_execution(const Arguments& a) {
