@@ -69,6 +69,18 @@ std::vector<std::string> find_references(const Inventory& inventory, const NounP
   return best;
 }
 
+std::vector<std::string> find_group(const Inventory& inventory, const NounPhrase& phrase) {
+  if (phrase.empty() || !find_references(inventory, phrase).empty()) return {};
+  const std::string head = singular(phrase.back());
+  std::vector<std::string> group;
+  for (const InventoryRow& row : inventory.rows) {
+    if (row.residual || words_of(row.name, row.part).count(head) == 0) continue;
+    if (!group.empty() && object_of(group[0]) != row.object) return {};
+    group.push_back(row.key());
+  }
+  return group;
+}
+
 std::vector<std::string> all_references(const Inventory& inventory) {
   std::vector<std::string> all;
   for (const InventoryObject& object : inventory.objects) all.push_back(object.id);

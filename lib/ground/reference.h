@@ -16,6 +16,10 @@ namespace physmas::ground {
 // cannot be meant.
 std::vector<std::string> find_references(const Inventory& inventory, const NounPhrase& phrase);
 
+// The rows that share a word of their names with the head noun, when no name has it as its own head and all of them are
+// parts of one object: "the flower" of a sunflower with flower petals and a flower disc. Else empty.
+std::vector<std::string> find_group(const Inventory& inventory, const NounPhrase& phrase);
+
 // Every object id and semantic row key, for messages.
 std::vector<std::string> all_references(const Inventory& inventory);
 

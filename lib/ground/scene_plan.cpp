@@ -108,6 +108,14 @@ class Compiler {
                   "use a name of the inventory, or give the scene an inventory that has it");
   }
 
+  // As require, for what may be several parts at once.
+  std::vector<std::string> require_all(const NounPhrase& phrase, const Event& event) {
+    const std::vector<std::string> group = find_group(inventory_, phrase);
+    if (group.size() > 1) note(quoted(phrase) + " taken as " + join(group));
+    if (!group.empty()) return group;
+    return {require(phrase, event)};
+  }
+
   bool same_object(const std::string& a, const std::string& b) const { return object_of(a) == object_of(b); }
 
   bool is_ground_object(const std::string& reference) const {
@@ -124,6 +132,7 @@ class Compiler {
   }
 
   void compile_event(const Event& event) {
+    actions_before_ = plan_.actions.size();
     if (event.negated) return note(fmt::format("\"{}\" is negated: no action", event.word));
     const Meaning& meaning = event.verb.meaning;
     if (meaning.kind == Kind::outcome) {
@@ -142,7 +151,8 @@ class Compiler {
     if (ergative && acted_on.empty() && !event.subject.empty() && !is_external(event.subject.back()))
       acted_on = event.subject;
     if (is_ground_target(acted_on)) return note_ground(event, acted_on);
-    const std::string patient = require(acted_on, event);
+    const std::vector<std::string> patients = require_all(acted_on, event);
+    const std::string& patient = patients.front();
     if (!mover.empty() && !same_object(mover, patient)) {
       // "bends the flower", "twists the lid": only what can be done by running into it.
       refuse_unbuilt(event, pressed_type(event));
@@ -156,7 +166,7 @@ class Compiler {
       if (const std::string goal = obstacle(event.goal, patient); !goal.empty())
         return add_collision(event, patient, goal);
     }
-    add_action(event, type, "", patient);
+    for (const std::string& part : patients) add_action(event, type, "", part);
   }
 
   static bool is_ground_word(const NounPhrase& phrase) { return !phrase.empty() && is_ground(singular(phrase.back())); }
@@ -292,7 +302,7 @@ class Compiler {
     const ActionRange range = *range_of(action.type);
     const double whole = run_.time.duration();
     action.start = event.delay ? *event.delay : std::min(range.start, 0.1 * whole);
-    if (event.then && !event.delay && !plan_.actions.empty()) action.start = plan_.actions.back().end;
+    if (event.then && !event.delay && actions_before_ > 0) action.start = plan_.actions[actions_before_ - 1].end;
     if (action.start > whole) {
       note(fmt::format("{} starts at {} s, after the run's end: moved to {} s", action_name(action.type), action.start,
                        0.5 * whole));
@@ -331,6 +341,7 @@ class Compiler {
   Plan plan_;
   std::vector<std::string> fallen_;  // what an earlier event let fall
   std::string last_moved_, mentioned_;
+  size_t actions_before_ = 0;  // actions of earlier events
 };
 
 }  // namespace
