@@ -6,8 +6,12 @@
 #include <limits>
 
 // Small functions of lanes must not become calls: their arguments would travel through memory. A GPU compiler will want
-// its own words here.
+// its own words here; sanitizers take minutes to instrument what is inlined into one function.
+#if defined(__SANITIZE_ADDRESS__)
+#define PHYSMAS_INLINE inline
+#else
 #define PHYSMAS_INLINE inline __attribute__((always_inline))
+#endif
 
 namespace physmas::mpm {
 
