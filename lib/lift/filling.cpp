@@ -61,11 +61,16 @@ Lattice make_lattice(const std::vector<Eigen::Vector3f>& means, const SolverMap&
   }
 }
 
-// Marks the subcells whose centre lies in the Gaussian's body. The body is padded by half a subcell's diagonal, so that
-// a flat Gaussian marks an unbroken sheet.
+// Standard deviation that is added to every Gaussian: its body then reaches half a subcell's diagonal at least, and
+// flat Gaussians mark an unbroken sheet.
+double padding_of(const Lattice& lattice) {
+  return 0.5 * std::sqrt(3.0) * lattice.h / kReach;
+}
+
+// Marks the subcells whose centre lies in the Gaussian's body.
 void draw_gaussian(const Gaussians& gaussians, size_t i, const Eigen::Vector3f& mean, const SolverMap& map,
                    const Lattice& lattice, Cells& cells) {
-  const double pad = 0.5 * std::sqrt(3.0) * lattice.h / kReach;
+  const double pad = padding_of(lattice);
   Eigen::Matrix3d S = gaussians.covariance(i).cast<double>() * (map.s * map.s);
   S.diagonal().array() += pad * pad;
   const Eigen::Matrix3d precision = S.inverse() / (kReach * kReach);
@@ -135,21 +140,40 @@ Cells not_reached(const Lattice& lattice, const Cells& walls) {
   return inside;
 }
 
-// Subcells of `inside` whose six neighbours are inside too.
-Cells without_surface(const Lattice& lattice, const Cells& inside) {
-  Cells inner(inside.size(), 0);
+// Takes `layers` subcells off the surface of `cells`, by turns over faces and over faces, edges and corners, which
+// comes near to a distance.
+void peel(const Lattice& lattice, int layers, Cells& cells) {
   const size_t row = lattice.size.x(), slice = row * lattice.size.y();
+  for (int layer = 0; layer < layers; ++layer) {
+    if (layer % 2 == 1) {
+      spread_value(lattice, 0, cells);
+      continue;
+    }
+    const Cells before = cells;
 #pragma omp parallel for schedule(static)
-  for (int z = 1; z < lattice.size.z() - 1; ++z) {
-    for (int y = 1; y < lattice.size.y() - 1; ++y) {
-      for (int x = 1; x < lattice.size.x() - 1; ++x) {
-        const size_t c = lattice.at(x, y, z);
-        inner[c] = inside[c] & inside[c - 1] & inside[c + 1] & inside[c - row] & inside[c + row] & inside[c - slice] &
-                   inside[c + slice];
+    for (int z = 1; z < lattice.size.z() - 1; ++z) {
+      for (int y = 1; y < lattice.size.y() - 1; ++y) {
+        for (int x = 1; x < lattice.size.x() - 1; ++x) {
+          const size_t c = lattice.at(x, y, z);
+          cells[c] = before[c] & before[c - 1] & before[c + 1] & before[c - row] & before[c + row] & before[c - slice] &
+                     before[c + slice];
+        }
       }
     }
   }
-  return inner;
+}
+
+// How far a drawn body reaches beyond its mean across its flattest axis, in subcells: median over the object.
+int body_layers(const Gaussians& gaussians, const std::vector<int32_t>& members, const SolverMap& map,
+                const Lattice& lattice) {
+  std::vector<double> reach;
+  const double pad = padding_of(lattice);
+  for (const int32_t i : members) {
+    const double sigma = map.s * gaussians.scale(i).minCoeff();
+    reach.push_back(kReach * std::sqrt(sigma * sigma + pad * pad));
+  }
+  std::nth_element(reach.begin(), reach.begin() + reach.size() / 2, reach.end());
+  return static_cast<int>(std::ceil(reach[reach.size() / 2] / lattice.h));
 }
 
 // Share of the solver cells wholly in `inner` that hold one of the object's means; 1 when there is no such cell but
@@ -185,18 +209,18 @@ uint64_t curve_position(const Eigen::Vector3i& c) {
 }
 
 struct Interior {
-  Cells inner;  // inside without the surface layer
+  Cells inner;  // inside without what bodies on the surface reach outwards
   long cells = 0, inner_cells = 0;
 };
 
-Interior interior_of(const Lattice& lattice, const Cells& drawn) {
+Interior interior_of(const Lattice& lattice, const Cells& drawn, int layers) {
   Cells closed = drawn;
   spread_value(lattice, 1, closed);
   spread_value(lattice, 0, closed);
-  const Cells inside = not_reached(lattice, closed);
   Interior interior;
-  interior.inner = without_surface(lattice, inside);
-  interior.cells = std::accumulate(inside.begin(), inside.end(), 0L);
+  interior.inner = not_reached(lattice, closed);
+  interior.cells = std::accumulate(interior.inner.begin(), interior.inner.end(), 0L);
+  peel(lattice, layers, interior.inner);
   interior.inner_cells = std::accumulate(interior.inner.begin(), interior.inner.end(), 0L);
   return interior;
 }
@@ -220,18 +244,18 @@ Filling fill_objects(const Gaussians& gaussians, const std::vector<Eigen::Vector
   constexpr int32_t kSeveral = -2;
   for (int o = 0; o < objects; ++o) {
     Cells drawn(lattice.count(), 0), own_means(lattice.count(), 0);
-    bool any = false;
+    std::vector<int32_t> members;
     for (size_t i = 0; i < means.size(); ++i) {
       if (object[i] != o) continue;
-      any = true;
+      members.push_back(static_cast<int32_t>(i));
       own_means[lattice.at(lattice.cell_of(means[i]))] = 1;
       if (gaussians.opacity(i) >= kFaintOpacity) draw_gaussian(gaussians, i, means[i], map, lattice, drawn);
     }
-    if (!any) continue;
+    if (members.empty()) continue;
     for (size_t c = 0; c < drawn.size(); ++c) {
       if (drawn[c] != 0) drawn_by[c] = drawn_by[c] == -1 ? o : kSeveral;
     }
-    interiors[o] = interior_of(lattice, drawn);
+    interiors[o] = interior_of(lattice, drawn, body_layers(gaussians, members, map, lattice));
     Filling::Report& report = filling.objects[o];
     report.cells = interiors[o].cells;
     report.volume = static_cast<double>(report.cells) * lattice.h * lattice.h * lattice.h;

@@ -32,8 +32,8 @@ struct Filling {
 //   1. the object's Gaussians are drawn into subcells (dx over the cube root of per_cell, at least two per dx and axis)
 //      as ellipsoids at 1.5 standard deviations, faint ones (opacity below 0.1) left out;
 //   2. gaps are closed (dilation and erosion by one subcell) and everything that the outside does not reach is inside;
-//   3. one layer of subcells is taken off the surface, and subcells that hold a Gaussian of any object, or that
-//      belong to another object, are left out.
+//   3. as many layers as the bodies reach outwards (median over the object) are taken off the surface; subcells that
+//      hold a Gaussian of any object, or that another object takes up, are left out.
 // An object is solid, and left as it is, when 95 % of the solver cells that lie wholly inside hold one of its
 // Gaussians. An object that encloses nothing is open. The lattice is thinned evenly (along a space-filling curve) to
 // the density and to max - N_G particles.

@@ -4,6 +4,11 @@
 #include "splat/renderer.h"
 
 namespace physmas::lift {
+namespace {
+
+constexpr double kSlack = 0.25;  // of the renderer's default near plane, a hundredth of the scene
+
+}  // namespace
 
 std::vector<std::vector<uint8_t>> visible_in_views(const Gaussians& gaussians, const std::vector<Camera>& cameras) {
   splat::Renderer renderer(gaussians);
@@ -19,7 +24,7 @@ std::vector<std::vector<uint8_t>> visible_in_views(const Gaussians& gaussians, c
     for (size_t i = 0; i < gaussians.size(); ++i) {
       if (pixels[i] < 0) continue;
       const double depth = camera.to_camera(gaussians.position[i].cast<double>()).z();
-      const double slack = renderer.default_near() + gaussians.scale(i).maxCoeff();
+      const double slack = kSlack * renderer.default_near() + gaussians.scale(i).maxCoeff();
       const float surface = image.depth[pixels[i]];
       seen[i] = surface <= 0 || depth <= surface + slack;
     }

@@ -10,8 +10,8 @@
 
 namespace physmas::lift {
 
-// [view][N] 1 where the Gaussian's mean lies no deeper than the rendered depth at its pixel, give or take a hundredth
-// of the scene and the Gaussian's own largest standard deviation; 0 behind it and outside the image.
+// [view][N] 1 where the Gaussian's mean lies no deeper than the rendered depth at its pixel, give or take 1/400 of the
+// scene's size and the Gaussian's own largest standard deviation; 0 behind it and outside the image.
 std::vector<std::vector<uint8_t>> visible_in_views(const Gaussians& gaussians, const std::vector<Camera>& cameras);
 
 }  // namespace physmas::lift

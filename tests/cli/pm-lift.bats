@@ -1,0 +1,111 @@
+#!/usr/bin/env bats
+# pm-lift as a user calls it.
+
+load toy
+
+setup_file() {
+  make_bundle
+  "$(bin)/pm-ground" --scene "$BATS_FILE_TMPDIR/toy/scene.json" --out "$BATS_FILE_TMPDIR/toy/run"
+}
+setup() {
+  copy_bundle
+  state=$BATS_TEST_TMPDIR/out/state.h5
+}
+lift() {
+  run_tool pm-lift --scene "$scene/scene.json" --inventory "$scene/run/inventory.json" --masks "$scene/run/masks.h5" \
+    --out "$state" "$@"
+}
+nothing_written() { [ ! -e "$BATS_TEST_TMPDIR/out" ] || [ -z "$(find "$BATS_TEST_TMPDIR/out" -type f)" ]; }
+
+@test "pm-lift --help prints to stdout" {
+  run_tool pm-lift --help
+  [ "$status" -eq 0 ]
+  [ -z "$errors" ]
+  [[ "$output" == *"--labels-png"* ]]
+}
+
+@test "pm-lift without its options is a usage error" {
+  run_tool pm-lift --out x
+  expect_error 2 "pm-lift --help"
+}
+
+@test "pm-lift writes a state and pictures of the labels" {
+  lift --labels-png "$BATS_TEST_TMPDIR/labels"
+  [ "$status" -eq 0 ]
+  [ -z "$errors" ]
+  [ -s "$state" ]
+  for view in front right back left; do [ -s "$BATS_TEST_TMPDIR/labels/$view.png" ]; done
+}
+
+@test "pm-lift again leaves the timestamp, whatever the number of threads" {
+  lift --threads 1
+  [ "$status" -eq 0 ]
+  touch -d '2001-01-01' "$state"
+  lift --threads 4
+  [ "$status" -eq 0 ]
+  [ -z "$(find "$state" -newermt 2001-01-02)" ]
+}
+
+@test "pm-lift refuses missing files" {
+  for file in scene.json gaussians.ply run/inventory.json run/masks.h5; do
+    mv "$scene/$file" "$scene/away"
+    lift
+    expect_error 3 "$(basename $file)"
+    mv "$scene/away" "$scene/$file"
+  done
+  nothing_written
+}
+
+@test "pm-lift refuses cut Gaussians and cut masks" {
+  head -c 2000 "$BATS_FILE_TMPDIR/toy/gaussians.ply" >"$scene/gaussians.ply"
+  lift
+  expect_error 3 "gaussians.ply"
+  cp "$BATS_FILE_TMPDIR/toy/gaussians.ply" "$scene/gaussians.ply"
+  head -c 5000 "$BATS_FILE_TMPDIR/toy/run/masks.h5" >"$scene/run/masks.h5"
+  lift
+  expect_error 3 "masks.h5"
+  echo "no masks" >"$scene/run/masks.h5"
+  lift
+  expect_error 3 "masks.h5"
+  nothing_written
+}
+
+@test "pm-lift refuses an inventory with malformed JSON, other rows, no residual row, a duplicate id" {
+  printf '{' >"$scene/run/inventory.json"
+  lift
+  expect_error 3 "inventory.json"
+  cp "$BATS_FILE_TMPDIR/toy/run/inventory.json" "$scene/run/inventory.json"
+  edit_json "$scene/run/inventory.json" "d['rows'][0]['part'] = 'wheel'"
+  lift
+  expect_error 3 "unknown row key"
+  cp "$BATS_FILE_TMPDIR/toy/run/inventory.json" "$scene/run/inventory.json"
+  edit_json "$scene/run/inventory.json" "d['rows'].pop()"
+  lift
+  expect_error 3 "residual"
+  cp "$BATS_FILE_TMPDIR/toy/run/inventory.json" "$scene/run/inventory.json"
+  edit_json "$scene/run/inventory.json" "d['objects'].append(d['objects'][0])"
+  lift
+  expect_error 3 "/objects/1/id"
+  nothing_written
+}
+
+@test "pm-lift refuses masks of another size than the camera" {
+  edit_json "$scene/scene.json" "d['views'][0]['camera']['height'] = 77"
+  lift
+  expect_error 3 "77"
+  nothing_written
+}
+
+@test "pm-lift refuses more Gaussians than particles" {
+  edit_json "$scene/scene.json" "d['run']['particles'] = {'max': 10}"
+  lift
+  expect_error 3 "particles.max"
+  nothing_written
+}
+
+@test "pm-lift refuses a folder that it cannot write" {
+  echo x >"$BATS_TEST_TMPDIR/file"
+  state=$BATS_TEST_TMPDIR/file/state.h5
+  lift
+  expect_error 3 "file"
+}
