@@ -18,23 +18,36 @@ Span pixel_span(double low, double high, int n) {
   return {static_cast<int>(std::clamp<double>(first, 0, n)), static_cast<int>(std::clamp<double>(last, -1, n - 1))};
 }
 
-// Calls visit(tile_row, tile_column_span) for the tiles that the splat's ellipse q <= reach^2 touches.
+// The tiles of the splat's box; empty rows when it holds no pixel centre.
+TileBox tile_box(const Splat& s, int width, int height) {
+  const Span rows = pixel_span(s.y - s.half_y, s.y + s.half_y, height);
+  const Span columns = pixel_span(s.x - s.half_x, s.x + s.half_x, width);
+  if (rows.last < rows.first || columns.last < columns.first) return {0, -1, 0, -1};
+  return {rows.first / kTileSize, rows.last / kTileSize, columns.first / kTileSize, columns.last / kTileSize};
+}
+
+// Calls visit(tile_row, first_column, last_column) for the tiles that the splat's ellipse q <= reach^2 touches.
 template <typename Visit>
-void for_each_tile_row(const Splat& s, int width, int height, const Visit& visit) {
+void for_each_tile_row(const TileBox& box, const Splat* splat, int width, int height, const Visit& visit) {
+  // Most splats: in a single row or column of tiles the ellipse touches all of its box.
+  if (box.first_row == box.last_row || box.first_column == box.last_column) {
+    for (int row = box.first_row; row <= box.last_row; ++row) visit(row, box.first_column, box.last_column);
+    return;
+  }
+  const Splat& s = *splat;
   const double reach = s.reach, a = s.a, b = s.b, c = s.c;
-  const double half_y = reach / c;
-  const Span rows = pixel_span(s.y - half_y, s.y + half_y, height);
-  if (rows.last < rows.first) return;
   // The ellipse is widest to the right at dy = -tip and to the left at dy = tip.
-  const double tip = b * reach / (c * std::hypot(b, c));
+  const double tip = b * reach / (c * std::sqrt(b * b + c * c));
   const auto half_u = [&](double dy) { return std::sqrt(std::max(0.0, reach * reach - c * c * dy * dy)); };
-  for (int ty = rows.first / kTileSize; ty <= rows.last / kTileSize; ++ty) {
-    const double top = std::max(ty * kTileSize, rows.first) + 0.5 - s.y;
-    const double bottom = std::min(ty * kTileSize + kTileSize - 1, rows.last) + 0.5 - s.y;
-    const double dy_right = std::clamp(-tip, top, bottom), dy_left = std::clamp(tip, top, bottom);
+  for (int row = box.first_row; row <= box.last_row; ++row) {
+    const double top = std::max(row * kTileSize + 0.5 - s.y, static_cast<double>(-s.half_y));
+    const double bottom = std::min(std::min((row + 1) * kTileSize, height) - 0.5 - s.y, static_cast<double>(s.half_y));
+    // The box has a margin for rounding, in which its outermost rows may lie entirely.
+    const double low = std::min(top, bottom), high = std::max(top, bottom);
+    const double dy_right = std::clamp(-tip, low, high), dy_left = std::clamp(tip, low, high);
     const Span columns =
         pixel_span(s.x + (-half_u(dy_left) - b * dy_left) / a, s.x + (half_u(dy_right) - b * dy_right) / a, width);
-    if (columns.first <= columns.last) visit(ty, Span{columns.first / kTileSize, columns.last / kTileSize});
+    if (columns.first <= columns.last) visit(row, columns.first / kTileSize, columns.last / kTileSize);
   }
 }
 
@@ -70,12 +83,17 @@ void TileBins::count(const Splat* splats, const std::vector<uint32_t>& order, in
   tiles_y_ = (height + kTileSize - 1) / kTileSize;
   const size_t tiles = tile_count();
   chunk_count_.assign(kChunks * tiles, 0);
+  boxes_.resize(order.size());
 #pragma omp parallel for num_threads(threads) schedule(dynamic)
   for (int chunk = 0; chunk < kChunks; ++chunk) {
     uint32_t* counts = &chunk_count_[chunk * tiles];
     for (size_t k = order.size() * chunk / kChunks; k < order.size() * (chunk + 1) / kChunks; ++k) {
-      for_each_tile_row(splats[order[k]], width, height, [&](int row, Span columns) {
-        for (int column = columns.first; column <= columns.last; ++column) ++counts[row * tiles_x_ + column];
+      // In depth order the splats lie all over memory.
+      if (k + 12 < order.size()) __builtin_prefetch(&splats[order[k + 12]]);
+      const Splat& splat = splats[order[k]];
+      boxes_[k] = tile_box(splat, width, height);
+      for_each_tile_row(boxes_[k], &splat, width, height, [&](int row, int first, int last) {
+        for (int column = first; column <= last; ++column) ++counts[row * tiles_x_ + column];
       });
     }
   }
@@ -109,9 +127,9 @@ int TileBins::fill(int first, size_t max_pairs, int threads) {
     size_t* cursor = &cursor_[chunk * range];
     for (size_t k = order_->size() * chunk / kChunks; k < order_->size() * (chunk + 1) / kChunks; ++k) {
       const uint32_t gaussian = (*order_)[k];
-      for_each_tile_row(splats_[gaussian], width_, height_, [&](int row, Span columns) {
-        const int begin = std::max(row * tiles_x_ + columns.first, first) - first;
-        const int stop = std::min(row * tiles_x_ + columns.last + 1, end) - first;
+      for_each_tile_row(boxes_[k], &splats_[gaussian], width_, height_, [&](int row, int left, int right) {
+        const int begin = std::max(row * tiles_x_ + left, first) - first;
+        const int stop = std::min(row * tiles_x_ + right + 1, end) - first;
         for (int tile = begin; tile < stop; ++tile) list_[cursor[tile]++] = gaussian;
       });
     }

@@ -29,6 +29,11 @@ class DepthOrder {
   std::vector<uint32_t> order_;
 };
 
+// A rectangle of tiles, bounds included.
+struct TileBox {
+  int first_row, last_row, first_column, last_column;
+};
+
 // The splats of every tile, in the order in which they are given. Tiles are numbered row by row. All pairs of a large
 // scene may not fit into memory at once, so they are made for one range of tiles after another.
 class TileBins {
@@ -55,6 +60,7 @@ class TileBins {
   const std::vector<uint32_t>* order_ = nullptr;
   int width_ = 0, height_ = 0, tiles_x_ = 0, tiles_y_ = 0, first_ = 0;
   size_t pairs_ = 0;
+  std::vector<TileBox> boxes_;         // [order]
   std::vector<uint32_t> chunk_count_;  // [kChunks][tiles]
   std::vector<size_t> cursor_;         // [kChunks][tiles of the range]
   std::vector<size_t> offset_;         // [tiles of the range + 1]

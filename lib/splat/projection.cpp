@@ -56,9 +56,9 @@ Projection project_gaussian(const Gaussians& g, size_t i, const RestShape& rest,
   const double q_max = 2 * std::log(255.0 * rest.opacity);
   const double reach = std::sqrt(std::max(q_max, 0.0));
   const Eigen::Vector2d center = camera.project(t);
-  const double half_x = reach * std::sqrt(xx), half_y = reach * std::sqrt(yy);
-  if (!(center.x() + half_x > 0 && center.x() - half_x < camera.width && center.y() + half_y > 0 &&
-        center.y() - half_y < camera.height)) {
+  const double reach_x = reach * std::sqrt(xx), reach_y = reach * std::sqrt(yy);
+  if (!(center.x() + reach_x > 0 && center.x() - reach_x < camera.width && center.y() + reach_y > 0 &&
+        center.y() - reach_y < camera.height)) {
     return Projection::hidden;
   }
 
@@ -72,6 +72,8 @@ Projection project_gaussian(const Gaussians& g, size_t i, const RestShape& rest,
   splat->log2_opacity = static_cast<float>(std::log2(rest.opacity));
   // A pixel exactly at the threshold must not be lost to rounding here: the rasteriser tests every pixel's alpha.
   splat->reach = static_cast<float>(reach) + 1e-3f;
+  splat->half_x = static_cast<float>(splat->reach * std::sqrt(xx));
+  splat->half_y = static_cast<float>(splat->reach * std::sqrt(yy));
   splat->depth = static_cast<float>(t.z());
 
   Eigen::Vector3d direction = mean - camera.center();

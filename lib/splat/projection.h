@@ -33,9 +33,10 @@ struct alignas(64) Splat {
   double x, y;    // mean [pixels]
   float a, b, c;  // a, c > 0
   float log2_opacity;
-  float reach;     // sqrt of the largest q with alpha >= 1/255; 0: not drawn
-  float color[3];  // RGB, >= 0
-  float depth;     // camera z [scene units]
+  float reach;           // sqrt of the largest q with alpha >= 1/255, rounded up
+  float half_x, half_y;  // half the box of the ellipse q <= reach^2 [pixels]
+  float color[3];        // RGB, >= 0
+  float depth;           // camera z [scene units]
 };
 
 // What all Gaussians of one frame share.

@@ -17,7 +17,7 @@ void TileRaster::draw(const Splat* splats, const uint32_t* begin, const uint32_t
   live_rows_ = rows == kTileSize ? 0xffffu : (1u << rows) - 1;
   for (int r = 0; r < kTileSize; ++r) {
     live_[r] = r < rows ? inside : LaneMask{};
-    transmittance_[r] = lanes_of(1.0f);
+    transmittance_[r] = Lanes{} + 1.0f;
     for (auto& channel : color_) channel[r] = Lanes{};
     depth_[r] = Lanes{};
   }
@@ -41,7 +41,7 @@ void TileRaster::blend(const Splat* splats, const uint32_t* begin, const uint32_
                        const int32_t* gaussian_labels) {
   const double x0 = column * kTileSize + 0.5, y0 = row * kTileSize + 0.5;
   const Lanes lane = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-  const Lanes max_alpha = lanes_of(kMaxAlpha);
+  const Lanes max_alpha = Lanes{} + kMaxAlpha;
   constexpr float kHalfLog2E = 0.72134752f;
   for (const uint32_t* g = begin; g != end && live_rows_ != 0; ++g) {
     if (end - g > 8) __builtin_prefetch(&splats[g[8]]);
@@ -73,13 +73,14 @@ void TileRaster::blend(const Splat* splats, const uint32_t* begin, const uint32_
       const float v = v0 + s.c * static_cast<float>(r);
       const Lanes us = u + step;
       const Lanes q = us * us + v * v;
-      Lanes alpha = exp2_nonpositive(s.log2_opacity - kHalfLog2E * q);
+      Lanes alpha = s.log2_opacity - kHalfLog2E * q;
+      exp2_nonpositive(&alpha);
       alpha = alpha < max_alpha ? alpha : max_alpha;
       const LaneMask hit = (alpha >= kMinAlpha) & live_[r];
       const Lanes T = transmittance_[r];
-      const Lanes weight = alpha * T;
-      const LaneMask stop = hit & (T - weight < kMinTransmittance);
-      const Lanes w = keep(hit & ~stop, weight);
+      Lanes w = alpha * T;
+      const LaneMask stop = hit & (T - w < kMinTransmittance);
+      keep(hit & ~stop, &w);
       transmittance_[r] = T - w;
       for (int k = 0; k < 3; ++k) color_[k][r] += w * s.color[k];
       if constexpr (kDepth) depth_[r] += w * s.depth;

@@ -12,7 +12,7 @@ namespace physmas::splat {
 
 // Writes RGB frames as H.264 (x264, constant quality, yuv420p, BT.709, index at the front for streaming). The file
 // appears whole on finish() or not at all. The same frames give the same bytes whatever machine load or thread count:
-// the encoder runs with a fixed number of threads, and the file carries neither times nor the encoder's name.
+// the encoder runs on one thread, and the file carries neither times nor the encoder's name.
 // Odd sizes are padded to even ones by repeating the last row or column. Throws an Error (exit code 3) when the file
 // cannot be written.
 class VideoWriter {
