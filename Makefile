@@ -33,11 +33,11 @@ CPPFLAGS := -Ilib -I$(BUILD)/gen -isystem /usr/include/hdf5/serial -isystem /usr
             -isystem /usr/include/eigen3 -DPHYSMAS_VERSION='"$(VERSION)"'
 CXXFLAGS := -std=c++17 -march=$(ARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fno-trapping-math \
             -Wall -Wextra -Wno-unknown-pragmas $(if $(WERROR),-Werror) $(EXTRA_CXXFLAGS)
+, := ,
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
           -lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
           -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lfmt
-, := ,
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp)
 TOOL_SOURCES := $(wildcard tools/*.cpp)
