@@ -111,7 +111,7 @@ endif
 PACKAGES := g++ make pkg-config libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgproc-dev \
             libopencv-imgcodecs-dev libopencv-videoio-dev libavcodec-dev \
             libavformat-dev libavutil-dev libswscale-dev nlohmann-json3-dev libvalijson-dev \
-            libcurl4-openssl-dev libssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats gnuplot-nox
+            libcurl4-openssl-dev libssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats python3 gnuplot-nox
 
 # What dpkg does not report as installed. Empty where there is no dpkg: the compiler will tell.
 find_missing = if command -v dpkg-query >/dev/null; then for p in $(PACKAGES); do \
