@@ -29,7 +29,8 @@ std::string version_text(const std::string& tool) {
 // An option given twice takes its last value, so that a script can append to a command.
 void last_value_wins(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
-    if (option->get_expected_max() == 1) option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    const bool undecided = option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw;
+    if (undecided && option->get_expected_max() == 1) option->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   }
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) last_value_wins(*command);
 }

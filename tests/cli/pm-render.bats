@@ -6,7 +6,7 @@ setup() { enter_tiny_run; }
 @test "pm-render: help and usage" {
   shows_help pm-render
   fails_with 2 "$bin/pm-render" -- "--scene"
-  fails_with 2 render --frames 0-9 -- "--frames" "below 6"
+  fails_with 2 render --frames 0-10 -- "--frames" "below 10"
   fails_with 2 render --frames x -- "--frames"
   fails_with 2 render --ply frames -- "not built yet"
   fails_with 2 render --out video.avi -- ".mp4"
@@ -14,8 +14,8 @@ setup() { enter_tiny_run; }
 
 @test "pm-render: a video with every frame, a record, frames as PNG" {
   render --png png
-  grep -q '"frames_written": 6' videos/support-stiff.json
-  [ "$(ls png | wc -l)" -eq 6 ]
+  grep -q '"frames_written": 10' videos/support-stiff.json
+  [ "$(ls png | wc -l)" -eq 10 ]
   [ "$(head -c 8 png/frame_0005.png | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ]
   [ "$(stat -c %s videos/support-stiff.mp4)" -gt 1000 ]
 }

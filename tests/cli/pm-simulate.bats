@@ -17,7 +17,7 @@ setup() { enter_tiny_run; }
 @test "pm-simulate: a rollout and its record" {
   [ -s rollouts/support-stiff.h5 ]
   grep -q '"status": "stable"' rollouts/support-stiff.json
-  grep -q '"frames": 6' rollouts/support-stiff.json
+  grep -q '"frames": 10' rollouts/support-stiff.json
   grep -q '"particle_steps_per_second"' rollouts/support-stiff.json
 }
 
