@@ -3,7 +3,8 @@
 # RUN      the run's folder
 # Where the scene comes from, one of:
 #   EXAMPLE    name of a description in examples/           -> pm-scene synth
-#   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, INVENTORY, MASKS, VIEWS and CAMERAS, SPEC, DROP -> pm-scene import
+#   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, INVENTORY, MASKS, VIEWS and CAMERAS, SPEC, DROP,
+#              AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
 #   SCENE      a scene.json                                 -> used where it lies
 # SET      run settings that win over the scene's: SET="screening.tau=0.6 time.frames=20"
 # THREADS  threads per tool; by default the cores are divided by make's -j
@@ -43,7 +44,7 @@ define newline
 
 
 endef
-REQUEST := $(foreach v,EXAMPLE GAUSSIANS PROMPT UP INVENTORY MASKS VIEWS CAMERAS SPEC DROP,$(v)=$(value $(v))$(newline))
+REQUEST := $(foreach v,EXAMPLE GAUSSIANS PROMPT UP INVENTORY MASKS VIEWS CAMERAS SPEC DROP AZIMUTH ELEVATION,$(v)=$(value $(v))$(newline))
 SETTINGS := $(value SET)
 # Through the environment, so that quotes and dollar signs in a prompt reach the tool as they were typed.
 export PM_PROMPT := $(value PROMPT)
@@ -77,7 +78,7 @@ $(STAMPS)/bundle: $(GAUSSIANS) $(INVENTORY) $(SPEC) $(CAMERAS) $(wildcard $(adds
 	@$(BIN)/pm-scene import "$(GAUSSIANS)" --prompt "$$PM_PROMPT" --out $(BUNDLE) \
 	  $(if $(UP),--up=$(UP)) $(if $(INVENTORY),--inventory $(INVENTORY)) $(if $(MASKS),--masks $(MASKS)) \
 	  $(if $(VIEWS),--views $(VIEWS)) $(if $(CAMERAS),--cameras $(CAMERAS)) $(if $(SPEC),--run $(SPEC)) \
-	  $(if $(DROP),--drop $(DROP)) $(tool_threads)
+	  $(if $(DROP),--drop $(DROP)) $(if $(AZIMUTH),--azimuth $(AZIMUTH)) $(if $(ELEVATION),--elevation $(ELEVATION)) $(tool_threads)
 	$(finish)
 endif
 $(BUNDLE_FILES): $(STAMPS)/bundle ;
@@ -147,7 +148,7 @@ $(STAMPS)/render-$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/rollouts/$
     $(call missing,$(RUN)/videos/$(1).json) | $(BIN)/pm-render
 	$$(call stage,render,$(RUN)/videos/$(1).mp4)
 	@$(BIN)/pm-render --scene $$< --state $(RUN)/state.h5 --rollout $(RUN)/rollouts/$(1).h5 \
-	  --out $(RUN)/videos/$(1).mp4 $$(tool_threads)
+	  --out $(RUN)/videos/$(1).mp4 --sheet $(RUN)/videos/$(1).png $$(tool_threads)
 	$$(finish)
 $(RUN)/videos/$(1).json: $(STAMPS)/render-$(1) ;
 endef

@@ -1,6 +1,7 @@
 // pm-render: one rollout -> frames, an H.264 video and its render record.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -26,7 +27,7 @@ using namespace physmas;
 namespace {
 
 struct Options {
-  std::string scene, state, rollout, out, frames, png, ply;
+  std::string scene, state, rollout, out, frames, png, ply, sheet;
 };
 
 // "0,10,20-24" -> frame numbers in the given order; every one must be below `count`.
@@ -58,6 +59,24 @@ std::vector<int> parse_frames(const std::string& list, int count) {
   if (frames.empty()) throw bad();
   return frames;
 }
+
+// Collects some of the frames for a contact sheet: at most eight, evenly spaced, the first and the last among them.
+class ContactSheet {
+ public:
+  explicit ContactSheet(size_t frames) : count_(std::min<size_t>(frames, 8)), frames_(frames) {}
+  void add(size_t i, int frame, const Image& image) {
+    const size_t k = pictures_.size();
+    if (k == count_ || i != (count_ == 1 ? 0 : k * (frames_ - 1) / (count_ - 1))) return;
+    pictures_.push_back(image);
+    captions_.push_back("frame " + std::to_string(frame));
+  }
+  void save(const std::string& path) const { splat::save_png(path, splat::contact_sheet(pictures_, captions_, 4, 360)); }
+
+ private:
+  size_t count_, frames_;
+  std::vector<Image> pictures_;
+  std::vector<std::string> captions_;
+};
 
 int render(const Options& options, const CommonOptions&) {
   if (!options.ply.empty()) throw Error(ExitCode::usage, "--ply: writing a PLY per frame is not built yet; use --png for frames");
@@ -101,6 +120,7 @@ int render(const Options& options, const CommonOptions&) {
   render_options.max_sh_degree = scene.run.render.sh_degree;
   std::unique_ptr<splat::VideoWriter> video;
   if (!wanted.empty()) video = std::make_unique<splat::VideoWriter>(video_path, record.width, record.height, record.fps);
+  ContactSheet sheet(wanted.size());
   Progress progress("frame", static_cast<long>(wanted.size()));
   double render_seconds = 0, encode_seconds = 0;
   for (size_t i = 0; i < wanted.size(); ++i) {
@@ -120,18 +140,21 @@ int render(const Options& options, const CommonOptions&) {
     const Stopwatch encode_watch;
     video->write(quantized);
     if (!options.png.empty()) splat::save_png((fs::path(options.png) / fmt::format("frame_{:04d}.png", t)).string(), quantized);
+    if (!options.sheet.empty()) sheet.add(i, t, quantized);
     encode_seconds += encode_watch.seconds();
     progress.update(static_cast<long>(i) + 1);
   }
   if (video) {
     video->finish();
+    if (!options.sheet.empty()) sheet.save(options.sheet);
     record.video = fs::path(video_path).filename().string();
     record.frames_written = static_cast<int>(wanted.size());
     record.file_size = static_cast<long>(fs::file_size(video_path));
   } else {
-    // A video of an earlier run would belong to another rollout.
+    // Pictures of an earlier run would belong to another rollout.
     std::error_code ignored;
     fs::remove(video_path, ignored);
+    if (!options.sheet.empty()) fs::remove(options.sheet, ignored);
     log_info(record.candidate + ": no video, " + record.omitted.back().why);
   }
   if (record.skipped_gaussians > 0) {
@@ -166,6 +189,7 @@ int main(int argc, char** argv) {
                            return fs::path(path).extension() == ".mp4" ? std::string() : "--out: expected a name that ends in .mp4";
                          });
                      app.add_option("--frames", options.frames, "Only these frames: 0,10,20-24")->group("Selection");
+                     app.add_option("--sheet", options.sheet, "Also write a contact sheet of up to eight frames, .png")->group("Selection");
                      app.add_option("--png", options.png, "Also write each frame as DIR/frame_0000.png")->group("Selection");
                      app.add_option("--ply", options.ply, "Also write each frame as a 3DGS PLY (not built yet)")->group("Selection");
                    },

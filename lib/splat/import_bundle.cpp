@@ -127,6 +127,11 @@ RunSpecification run_for(const ImportOptions& options, const Gaussians& gaussian
   }
   const bool own_center = json.contains("/placement/center"_json_pointer), own_colliders = json.contains("colliders");
   json["placement"]["up"] = options.up;
+  // Parts are told apart by what each view sees: without the depth test, a part also claims what lies behind it
+  // (docs/method-lifting.md has the accuracies). Whoever wants the paper's rule says so in --run.
+  if (!options.inventory.empty() && !json.contains("/lifting/occlusion"_json_pointer)) {
+    json["lifting"]["occlusion"] = "depth";
+  }
   RunSpecification run = run_specification_from(json, file, "");
   if (own_colliders) return run;
   const Heights walls = wall_heights(run);
