@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "lift/evidence.h"
-#include "lift/neighbors.h"
 #include "lift/visibility.h"
+#include "scene/neighbors.h"
 
 namespace physmas::lift {
 namespace {

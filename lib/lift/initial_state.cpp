@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "lift/filling.h"
-#include "lift/neighbors.h"
+#include "scene/neighbors.h"
 #include "scene/placement.h"
 
 namespace physmas::lift {

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <filesystem>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "base/error.h"
@@ -13,6 +14,7 @@
 #include "base/log.h"
 #include "records/inventory.h"
 #include "scene/gaussian_files.h"
+#include "scene/neighbors.h"
 #include "scene/placement.h"
 #include "scene/scene.h"
 #include "scene/view_rig.h"
@@ -112,7 +114,27 @@ std::vector<CopiedFile> read_masks(const ImportOptions& options, const std::vect
   return files;
 }
 
-// The user's specification with what it leaves open: up, placement and floor.
+// The paper's grid, or a coarser one where the Gaussians are too few for it: 90 % of them shall have three others
+// within a cell. Particles that are more than a cell apart do not feel each other, so a sparse scene would fall to
+// dust, and a lone particle has a smaller stable step than a body of the same material.
+int grid_for(const Gaussians& gaussians, const RunSpecification& run) {
+  constexpr int kNeighbours = 3, kCoarsest = 32;
+  const int count = static_cast<int>(gaussians.size());
+  if (count <= kNeighbours) return kCoarsest;
+  std::vector<int32_t> all(gaussians.size());
+  std::iota(all.begin(), all.end(), 0);
+  const NeighborSearch<3> search(gaussians.position, all);
+  std::vector<double> distance(gaussians.size());
+#pragma omp parallel for
+  for (int i = 0; i < count; ++i) distance[i] = search.around(i, kNeighbours).back().squared;
+  const size_t rank = gaussians.size() * 9 / 10;
+  std::nth_element(distance.begin(), distance.begin() + rank, distance.end());
+  const double cell = std::sqrt(distance[rank]) * solver_map(gaussians, run).s;
+  if (!(cell > 0)) return run.grid.n;
+  return std::clamp(static_cast<int>(std::min(run.grid.length / cell, 1e6)), kCoarsest, run.grid.n);
+}
+
+// The user's specification with what it leaves open: up, grid, placement and floor.
 RunSpecification run_for(const ImportOptions& options, const Gaussians& gaussians) {
   Json json = Json::object();
   const std::string file = options.run.empty() ? "--drop" : options.run;
@@ -124,6 +146,11 @@ RunSpecification run_for(const ImportOptions& options, const Gaussians& gaussian
       throw invalid_field(options.run, "/placement/up", json["placement"]["up"],
                           "the axis that --up gives, \"" + options.up + "\"");
     }
+  }
+  if (!json.contains("/grid/n"_json_pointer)) {
+    Json paper = json;
+    paper["placement"]["up"] = options.up;
+    json["grid"]["n"] = grid_for(gaussians, run_specification_from(paper, file, ""));
   }
   const bool own_center = json.contains("/placement/center"_json_pointer), own_colliders = json.contains("colliders");
   json["placement"]["up"] = options.up;

@@ -5,7 +5,7 @@
 
 #include "lift/assignment.h"
 #include "lift/evidence.h"
-#include "lift/neighbors.h"
+#include "scene/neighbors.h"
 
 using namespace physmas;
 using namespace physmas::lift;

@@ -1,11 +1,11 @@
-#include "lift/neighbors.h"
+#include "scene/neighbors.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nanoflann.hpp>
 
-namespace physmas::lift {
+namespace physmas {
 namespace {
 
 // nanoflann's view of the subset.
@@ -89,4 +89,4 @@ std::vector<Neighbor> NeighborSearch<Dim>::around(int32_t self, int count) const
 template class NeighborSearch<3>;
 template class NeighborSearch<6>;
 
-}  // namespace physmas::lift
+}  // namespace physmas

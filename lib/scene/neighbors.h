@@ -1,13 +1,13 @@
 // Nearest Gaussians, exactly and in a fixed order.
-#ifndef PHYSMAS_LIFT_NEIGHBORS_H
-#define PHYSMAS_LIFT_NEIGHBORS_H
+#ifndef PHYSMAS_SCENE_NEIGHBORS_H
+#define PHYSMAS_SCENE_NEIGHBORS_H
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
-namespace physmas::lift {
+namespace physmas {
 
 struct Neighbor {
   int32_t index;   // into the points that the search was made from
@@ -43,6 +43,6 @@ class NeighborSearch {
 extern template class NeighborSearch<3>;
 extern template class NeighborSearch<6>;
 
-}  // namespace physmas::lift
+}  // namespace physmas
 
 #endif
