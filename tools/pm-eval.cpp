@@ -22,7 +22,8 @@ std::vector<uint8_t> target_mask(const Inventory& inventory, const State& state,
   if (!target.empty() && rows.empty()) {
     std::string known;
     for (const InventoryObject& object : inventory.objects) known += (known.empty() ? "" : ", ") + object.id;
-    throw Error(ExitCode::usage, fmt::format("--target: found \"{}\", expected an object ({}) or a row key object/part", target, known));
+    throw Error(ExitCode::usage,
+                fmt::format("--target: found \"{}\", expected an object ({}) or a row key object/part", target, known));
   }
   std::vector<uint8_t> mask(state.gaussian_count(), target.empty() ? 1 : 0);
   for (size_t i = 0; i < mask.size(); ++i) {
@@ -41,7 +42,8 @@ int motion(const Options& options) {
   const State state = load_state(options.state, &inventory);
   const Gaussians gaussians = load_gaussians(scene.gaussians);
   if (state.gaussian_count() != gaussians.size()) {
-    throw invalid_input({options.state, "/gaussians/row", fmt::format("{} Gaussians", state.gaussian_count()), fmt::format("the {} of {}", gaussians.size(), scene.gaussians)});
+    throw invalid_input({options.state, "/gaussians/row", fmt::format("{} Gaussians", state.gaussian_count()),
+                         fmt::format("the {} of {}", gaussians.size(), scene.gaussians)});
   }
   const std::vector<uint8_t> target = target_mask(inventory, state, options.target);
   const RolloutReader rollout(options.rollout, gaussians.size()), reference(options.reference, gaussians.size());
@@ -49,16 +51,21 @@ int motion(const Options& options) {
   const eval::TargetMotion expected = eval::track_target(scene, gaussians, state, reference, target, queries);
   const eval::TargetMotion measured = eval::track_target(scene, gaussians, state, rollout, target, queries);
   std::vector<MetricEntry> metrics;
-  const auto add = [&](const char* name, const eval::Measurement& m) { metrics.push_back({name, m.valid, m.value, m.samples, m.reason}); };
+  const auto add = [&](const char* name, const eval::Measurement& m) {
+    metrics.push_back({name, m.valid, m.value, m.samples, m.reason});
+  };
   add("trajectory_nrmse", eval::trajectory_nrmse(expected.tracks, measured.tracks));
   add("area_log_rmse", eval::area_log_rmse(expected.areas, measured.areas));
   add("strain_rmse", eval::strain_rmse(expected.tracks, measured.tracks));
   Provenance provenance;
   provenance.tool = "pm-eval";
   provenance.options = {{"metric", "motion"}, {"target", options.target}};
-  for (const std::string& input : {options.scene, options.inventory, options.state, options.rollout, options.reference}) provenance.add_input(input);
+  for (const std::string& input : {options.scene, options.inventory, options.state, options.rollout, options.reference})
+    provenance.add_input(input);
   save_metrics(options.out, options.target.empty() ? "scene" : options.target, metrics, provenance);
-  for (const MetricEntry& m : metrics) fmt::print("{:<18} {}\n", m.name, m.valid ? fmt::format("{:.4f} ({} samples)", m.value, m.samples) : "invalid: " + m.reason);
+  for (const MetricEntry& m : metrics)
+    fmt::print("{:<18} {}\n", m.name,
+               m.valid ? fmt::format("{:.4f} ({} samples)", m.value, m.samples) : "invalid: " + m.reason);
   return 0;
 }
 
@@ -66,21 +73,24 @@ int motion(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  return run_tool(argc, argv,
-                  {"pm-eval", "Measure finished runs.",
-                   "Example: pm-eval motion --scene scene.json --inventory inventory.json --state state.h5 --rollout rollouts/a.h5 --reference rollouts/b.h5 --out metrics.json\n"
-                   "The other evaluations of the design (clip, aggregate, upr, accuracy, stability) are not built yet.\n"
-                   "Reads physmas/scene/1, inventory/1, state/1, rollout/1; writes physmas/metrics/1.",
-                   [&](CLI::App& app) {
-                     CLI::App* command = app.add_subcommand("motion", "Trajectory, area and strain errors against a reference rollout of the same state");
-                     command->add_option("--scene", options.scene, "Scene with the Gaussians and output cameras")->required();
-                     command->add_option("--inventory", options.inventory, "Objects and parts")->required();
-                     command->add_option("--state", options.state, "Labels and the solver map")->required();
-                     command->add_option("--rollout", options.rollout, "Rollout to measure")->required();
-                     command->add_option("--reference", options.reference, "Rollout to measure against")->required();
-                     command->add_option("--target", options.target, "Object id or row key; the whole scene by default");
-                     command->add_option("--out", options.out, "Metrics to write")->required();
-                     app.require_subcommand(1);
-                   },
-                   [&](const CommonOptions&) { return motion(options); }});
+  return run_tool(
+      argc, argv,
+      {"pm-eval", "Measure finished runs.",
+       "Example: pm-eval motion --scene scene.json --inventory inventory.json --state state.h5 --rollout rollouts/a.h5 "
+       "--reference rollouts/b.h5 --out metrics.json\n"
+       "The other evaluations of the design (clip, aggregate, upr, accuracy, stability) are not built yet.\n"
+       "Reads physmas/scene/1, inventory/1, state/1, rollout/1; writes physmas/metrics/1.",
+       [&](CLI::App& app) {
+         CLI::App* command = app.add_subcommand(
+             "motion", "Trajectory, area and strain errors against a reference rollout of the same state");
+         command->add_option("--scene", options.scene, "Scene with the Gaussians and output cameras")->required();
+         command->add_option("--inventory", options.inventory, "Objects and parts")->required();
+         command->add_option("--state", options.state, "Labels and the solver map")->required();
+         command->add_option("--rollout", options.rollout, "Rollout to measure")->required();
+         command->add_option("--reference", options.reference, "Rollout to measure against")->required();
+         command->add_option("--target", options.target, "Object id or row key; the whole scene by default");
+         command->add_option("--out", options.out, "Metrics to write")->required();
+         app.require_subcommand(1);
+       },
+       [&](const CommonOptions&) { return motion(options); }});
 }

@@ -35,7 +35,9 @@ std::vector<int> parse_frames(const std::string& list, int count) {
   std::vector<int> frames;
   size_t at = 0;
   const auto bad = [&] {
-    return Error(ExitCode::usage, fmt::format("--frames: found \"{}\", expected frame numbers and ranges below {}, such as 0,10,20-24", list, count));
+    return Error(ExitCode::usage,
+                 fmt::format("--frames: found \"{}\", expected frame numbers and ranges below {}, such as 0,10,20-24",
+                             list, count));
   };
   const auto number = [&]() -> int {
     size_t end = at;
@@ -70,7 +72,9 @@ class ContactSheet {
     pictures_.push_back(image);
     captions_.push_back("frame " + std::to_string(frame));
   }
-  void save(const std::string& path) const { splat::save_png(path, splat::contact_sheet(pictures_, captions_, 4, 360)); }
+  void save(const std::string& path) const {
+    splat::save_png(path, splat::contact_sheet(pictures_, captions_, 4, 360));
+  }
 
  private:
   size_t count_, frames_;
@@ -79,7 +83,8 @@ class ContactSheet {
 };
 
 int render(const Options& options, const CommonOptions&) {
-  if (!options.ply.empty()) throw Error(ExitCode::usage, "--ply: writing a PLY per frame is not built yet; use --png for frames");
+  if (!options.ply.empty())
+    throw Error(ExitCode::usage, "--ply: writing a PLY per frame is not built yet; use --png for frames");
   const Stopwatch total;
   SceneNeeds needs;
   needs.gaussians = needs.output_cameras = true;
@@ -88,7 +93,8 @@ int render(const Options& options, const CommonOptions&) {
   const State state = load_state(options.state);
   if (state.gaussian_count() != gaussians.size()) {
     throw invalid_input({options.state, "/gaussians/row", fmt::format("{} Gaussians", state.gaussian_count()),
-                         fmt::format("the {} of {}", gaussians.size(), scene.gaussians), "make the state again with pm-lift"});
+                         fmt::format("the {} of {}", gaussians.size(), scene.gaussians),
+                         "make the state again with pm-lift"});
   }
   const RolloutReader rollout(options.rollout, gaussians.size());
   const std::string execution_path = fs::path(options.rollout).replace_extension(".json").string();
@@ -105,8 +111,8 @@ int render(const Options& options, const CommonOptions&) {
   } else if (complete) {
     for (int t = 0; t < frames; ++t) wanted.push_back(t);
   } else {
-    record.omitted.push_back({"video", fmt::format("the rollout ends after {} of {} frames ({})", rollout.frame_count(), frames,
-                                                   execution.diverged ? "diverged" : "cut")});
+    record.omitted.push_back({"video", fmt::format("the rollout ends after {} of {} frames ({})", rollout.frame_count(),
+                                                   frames, execution.diverged ? "diverged" : "cut")});
   }
 
   const std::string video_path = options.out;
@@ -119,7 +125,8 @@ int render(const Options& options, const CommonOptions&) {
   render_options.background = scene.run.render.background.cast<float>();
   render_options.max_sh_degree = scene.run.render.sh_degree;
   std::unique_ptr<splat::VideoWriter> video;
-  if (!wanted.empty()) video = std::make_unique<splat::VideoWriter>(video_path, record.width, record.height, record.fps);
+  if (!wanted.empty())
+    video = std::make_unique<splat::VideoWriter>(video_path, record.width, record.height, record.fps);
   ContactSheet sheet(wanted.size());
   Progress progress("frame", static_cast<long>(wanted.size()));
   double render_seconds = 0, encode_seconds = 0;
@@ -127,7 +134,8 @@ int render(const Options& options, const CommonOptions&) {
     const int t = wanted[i];
     const Camera& camera = scene.output_camera(t);
     if (camera.width != record.width || camera.height != record.height) {
-      throw invalid_input({options.scene, fmt::format("/output_cameras/{}", t), fmt::format("{}x{} pixels", camera.width, camera.height),
+      throw invalid_input({options.scene, fmt::format("/output_cameras/{}", t),
+                           fmt::format("{}x{} pixels", camera.width, camera.height),
                            fmt::format("{}x{}, as the first output camera", record.width, record.height)});
     }
     const Stopwatch render_watch;
@@ -139,7 +147,8 @@ int render(const Options& options, const CommonOptions&) {
     render_seconds += render_watch.seconds();
     const Stopwatch encode_watch;
     video->write(quantized);
-    if (!options.png.empty()) splat::save_png((fs::path(options.png) / fmt::format("frame_{:04d}.png", t)).string(), quantized);
+    if (!options.png.empty())
+      splat::save_png((fs::path(options.png) / fmt::format("frame_{:04d}.png", t)).string(), quantized);
     if (!options.sheet.empty()) sheet.add(i, t, quantized);
     encode_seconds += encode_watch.seconds();
     progress.update(static_cast<long>(i) + 1);
@@ -158,14 +167,16 @@ int render(const Options& options, const CommonOptions&) {
     log_info(record.candidate + ": no video, " + record.omitted.back().why);
   }
   if (record.skipped_gaussians > 0) {
-    log_warning(fmt::format("{}: {} Gaussians over all frames were not finite and were left out", record.candidate, record.skipped_gaussians));
+    log_warning(fmt::format("{}: {} Gaussians over all frames were not finite and were left out", record.candidate,
+                            record.skipped_gaussians));
   }
   record.runtime = {{"seconds", {{"total", total.seconds()}, {"render", render_seconds}, {"encode", encode_seconds}}},
                     {"peak_memory_bytes", peak_memory_bytes()}};
   Provenance provenance;
   provenance.tool = "pm-render";
   if (!options.frames.empty()) provenance.options.emplace_back("frames", options.frames);
-  for (const std::string& input : {options.scene, options.state, options.rollout, execution_path}) provenance.add_input(input);
+  for (const std::string& input : {options.scene, options.state, options.rollout, execution_path})
+    provenance.add_input(input);
   save_render(record_path, record, provenance);
   return 0;
 }
@@ -174,24 +185,28 @@ int render(const Options& options, const CommonOptions&) {
 
 int main(int argc, char** argv) {
   Options options;
-  return run_tool(argc, argv,
-                  {"pm-render", "Render a rollout's frames into an H.264 video and a render record.",
-                   "Example: pm-render --scene scene.json --state state.h5 --rollout rollouts/posterior.h5 --out videos/posterior.mp4\n"
-                   "Reads physmas/scene/1, state/1, rollout/1 and the execution record beside the rollout;\n"
-                   "writes the video and physmas/render/1 beside it.",
-                   [&](CLI::App& app) {
-                     app.add_option("--scene", options.scene, "Scene or its render slice")->required();
-                     app.add_option("--state", options.state, "State with the solver map")->required();
-                     app.add_option("--rollout", options.rollout, "Rollout to render")->required();
-                     app.add_option("--out", options.out, "Video to write, .mp4; the record goes beside it")
-                         ->required()
-                         ->check([](const std::string& path) {
-                           return fs::path(path).extension() == ".mp4" ? std::string() : "--out: expected a name that ends in .mp4";
-                         });
-                     app.add_option("--frames", options.frames, "Only these frames: 0,10,20-24")->group("Selection");
-                     app.add_option("--sheet", options.sheet, "Also write a contact sheet of up to eight frames, .png")->group("Selection");
-                     app.add_option("--png", options.png, "Also write each frame as DIR/frame_0000.png")->group("Selection");
-                     app.add_option("--ply", options.ply, "Also write each frame as a 3DGS PLY (not built yet)")->group("Selection");
-                   },
-                   [&](const CommonOptions& common) { return render(options, common); }});
+  return run_tool(
+      argc, argv,
+      {"pm-render", "Render a rollout's frames into an H.264 video and a render record.",
+       "Example: pm-render --scene scene.json --state state.h5 --rollout rollouts/posterior.h5 --out "
+       "videos/posterior.mp4\n"
+       "Reads physmas/scene/1, state/1, rollout/1 and the execution record beside the rollout;\n"
+       "writes the video and physmas/render/1 beside it.",
+       [&](CLI::App& app) {
+         app.add_option("--scene", options.scene, "Scene or its render slice")->required();
+         app.add_option("--state", options.state, "State with the solver map")->required();
+         app.add_option("--rollout", options.rollout, "Rollout to render")->required();
+         app.add_option("--out", options.out, "Video to write, .mp4; the record goes beside it")
+             ->required()
+             ->check([](const std::string& path) {
+               return fs::path(path).extension() == ".mp4" ? std::string() : "--out: expected a name that ends in .mp4";
+             });
+         app.add_option("--frames", options.frames, "Only these frames: 0,10,20-24")->group("Selection");
+         app.add_option("--sheet", options.sheet, "Also write a contact sheet of up to eight frames, .png")
+             ->group("Selection");
+         app.add_option("--png", options.png, "Also write each frame as DIR/frame_0000.png")->group("Selection");
+         app.add_option("--ply", options.ply, "Also write each frame as a 3DGS PLY (not built yet)")
+             ->group("Selection");
+       },
+       [&](const CommonOptions& common) { return render(options, common); }});
 }

@@ -26,8 +26,12 @@ struct CliOptions {
   bool strict = false;
 };
 
-mpm::Vec3d to_mpm(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-Eigen::Vector3d from_mpm(const mpm::Vec3d& v) { return {v.x, v.y, v.z}; }
+mpm::Vec3d to_mpm(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+Eigen::Vector3d from_mpm(const mpm::Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
 
 mpm::Domain bind_domain(const RunSpecification& run) {
   mpm::Domain domain;
@@ -39,7 +43,9 @@ mpm::Domain bind_domain(const RunSpecification& run) {
   using Mode = RunSpecification::Collider::Mode;
   for (const RunSpecification::Collider& c : run.colliders) {
     mpm::Collider collider;
-    collider.mode = c.mode == Mode::sticky ? mpm::Collider::Mode::sticky : c.mode == Mode::slip ? mpm::Collider::Mode::slip : mpm::Collider::Mode::separate;
+    collider.mode = c.mode == Mode::sticky ? mpm::Collider::Mode::sticky
+                    : c.mode == Mode::slip ? mpm::Collider::Mode::slip
+                                           : mpm::Collider::Mode::separate;
     collider.friction = c.friction;
     switch (c.type) {
       case Type::plane:
@@ -86,13 +92,17 @@ std::vector<mpm::Material> bind_materials(const Candidate& candidate, const Stat
     const CandidateRow& row = candidate.rows[i];
     const std::string pointer = fmt::format("/rows/{}", i);
     if (row.row >= static_cast<int>(state.row_keys.size()) || state.row_keys[row.row] != row.key) {
-      throw invalid_field(file, pointer + "/key", row.key, "the key of row " + std::to_string(row.row) + " of the state", "make the candidates again with pm-candidates");
+      throw invalid_field(file, pointer + "/key", row.key,
+                          "the key of row " + std::to_string(row.row) + " of the state",
+                          "make the candidates again with pm-candidates");
     }
     materials[row.row] = {row.branch, row.E, row.nu, row.rho};
     bound[row.row] = true;
   }
   for (int32_t r : state.row) {
-    if (!bound[r]) throw invalid_input({file, "/rows", "no row \"" + state.row_keys[r] + "\"", "every row that has particles in the state"});
+    if (!bound[r])
+      throw invalid_input(
+          {file, "/rows", "no row \"" + state.row_keys[r] + "\"", "every row that has particles in the state"});
   }
   return materials;
 }
@@ -106,10 +116,12 @@ mpm::Schedule bind_schedule(const Candidate& candidate, const RunSpecification& 
         schedule.actions.push_back(mpm::Translation{op.rows, to_mpm(op.velocity), op.start, op.end});
         break;
       case Kind::top_press:
-        schedule.actions.push_back(mpm::TopPress{op.rows, to_mpm(op.velocity), to_mpm(run.placement.up_vector()), op.slab_fraction, op.start, op.end});
+        schedule.actions.push_back(mpm::TopPress{op.rows, to_mpm(op.velocity), to_mpm(run.placement.up_vector()),
+                                                 op.slab_fraction, op.start, op.end});
         break;
       case Kind::impulse:
-        schedule.actions.push_back(mpm::Impulse{op.rows, to_mpm(op.velocity), op.start, op.end - op.start, run.time.substep_dt});
+        schedule.actions.push_back(
+            mpm::Impulse{op.rows, to_mpm(op.velocity), op.start, op.end - op.start, run.time.substep_dt});
         break;
       case Kind::structure_projection:
         for (int row : op.rows) schedule.projections.push_back({row, op.eta});
@@ -140,12 +152,14 @@ mpm::Particles bind_particles(const State& state) {
 int choose_substeps(const CliOptions& options, const Candidate& candidate, double frame_dt) {
   if (options.timestep == "paper") {
     if (std::abs(candidate.timestep.substeps * candidate.timestep.dt - frame_dt) > 1e-9 * frame_dt) {
-      throw invalid_field(options.candidate, "/timestep/dt", candidate.timestep.dt, fmt::format("{} substeps that fill a frame of {} s", candidate.timestep.substeps, frame_dt),
+      throw invalid_field(options.candidate, "/timestep/dt", candidate.timestep.dt,
+                          fmt::format("{} substeps that fill a frame of {} s", candidate.timestep.substeps, frame_dt),
                           "make the candidates again with pm-candidates");
     }
     return candidate.timestep.substeps;
   }
-  if (options.timestep == "cfl") throw Error(ExitCode::usage, "--timestep cfl is not built yet; expected paper or a number of seconds");
+  if (options.timestep == "cfl")
+    throw Error(ExitCode::usage, "--timestep cfl is not built yet; expected paper or a number of seconds");
   size_t used = 0;
   double seconds = 0;
   try {
@@ -153,12 +167,14 @@ int choose_substeps(const CliOptions& options, const Candidate& candidate, doubl
   } catch (const std::exception&) {
   }
   if (used != options.timestep.size() || !(seconds > 0) || !(frame_dt / seconds < 1e7)) {
-    throw Error(ExitCode::usage, fmt::format("--timestep: found \"{}\", expected paper or a positive number of seconds", options.timestep));
+    throw Error(ExitCode::usage, fmt::format("--timestep: found \"{}\", expected paper or a positive number of seconds",
+                                             options.timestep));
   }
   return std::max(1, static_cast<int>(std::ceil(frame_dt / seconds * (1 - 1e-9))));
 }
 
-ExecutionRecord make_record(const Candidate& candidate, const mpm::Problem& problem, const mpm::Result& result, const CliOptions& options, int substeps) {
+ExecutionRecord make_record(const Candidate& candidate, const mpm::Problem& problem, const mpm::Result& result,
+                            const CliOptions& options, int substeps) {
   ExecutionRecord record;
   record.candidate = candidate.id;
   record.diverged = result.status == mpm::Status::diverged;
@@ -207,7 +223,9 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   if (options.grid > 0) run.grid.n = options.grid;
   if (options.frames > 0) run.time.frames = options.frames;
   if (std::abs(run.grid.length - state.map.length) > 1e-12) {
-    throw invalid_input({options.state, "/map/@L", fmt::format("{}", state.map.length), fmt::format("{}, the run's grid length", run.grid.length), "make the state again with pm-lift"});
+    throw invalid_input({options.state, "/map/@L", fmt::format("{}", state.map.length),
+                         fmt::format("{}, the run's grid length", run.grid.length),
+                         "make the state again with pm-lift"});
   }
   mpm::Problem problem;
   problem.domain = bind_domain(run);
@@ -249,7 +267,8 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   const ExecutionRecord record = make_record(candidate, problem, result, options, timing.substeps);
   save_execution(fs::path(options.out).replace_extension(".json").string(), record, provenance);
   if (!record.diverged) {
-    log_info(fmt::format("{}: {} frames, {} substeps of {} particles, {:.1f} million particle-steps per second", candidate.id, record.frames, record.steps, record.particles,
+    log_info(fmt::format("{}: {} frames, {} substeps of {} particles, {:.1f} million particle-steps per second",
+                         candidate.id, record.frames, record.steps, record.particles,
                          result.particle_steps_per_second / 1e6));
     return 0;
   }
@@ -261,25 +280,36 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
 
 int main(int argc, char** argv) {
   CliOptions options;
-  return run_tool(argc, argv,
-                  {"pm-simulate", "Simulate one candidate with the material point method; all objects share one grid.",
-                   "A diverged simulation is a result: the record says so and the exit code is 0 (5 with --strict).\n"
-                   "Example: pm-simulate --scene scene.json --state state.h5 --candidate candidates/posterior.json --out rollouts/posterior.h5\n"
-                   "Reads physmas/scene/1, state/1, candidate/1; writes physmas/rollout/1 and physmas/execution/1 beside it.",
-                   [&](CLI::App& app) {
-                     app.add_option("--scene", options.scene, "Scene or its simulate slice")->required();
-                     app.add_option("--state", options.state, "Labels and particles")->required();
-                     app.add_option("--candidate", options.candidate, "Candidate to simulate")->required();
-                     app.add_option("--out", options.out, "Rollout to write, .h5; the record goes beside it")
-                         ->required()
-                         ->check([](const std::string& path) {
-                           return fs::path(path).extension() == ".h5" ? std::string() : "--out: expected a name that ends in .h5";
-                         });
-                     app.add_option("--timestep", options.timestep, "paper (the candidate's substeps) or seconds")->capture_default_str()->group("Numerics");
-                     app.add_option("--precision", options.precision, "float or double")->check(CLI::IsMember({"float", "double"}))->capture_default_str()->group("Numerics");
-                     app.add_option("--grid", options.grid, "Cells per axis instead of the run's")->check(CLI::Range(16, 512))->group("Numerics");
-                     app.add_option("--frames", options.frames, "Output frames instead of the run's, rest frame included")->check(CLI::Range(1, 10000))->group("Numerics");
-                     app.add_flag("--strict", options.strict, "Exit with 5 when the simulation diverges")->group("Numerics");
-                   },
-                   [&](const CommonOptions& common) { return simulate(options, common); }});
+  return run_tool(
+      argc, argv,
+      {"pm-simulate", "Simulate one candidate with the material point method; all objects share one grid.",
+       "A diverged simulation is a result: the record says so and the exit code is 0 (5 with --strict).\n"
+       "Example: pm-simulate --scene scene.json --state state.h5 --candidate candidates/posterior.json --out "
+       "rollouts/posterior.h5\n"
+       "Reads physmas/scene/1, state/1, candidate/1; writes physmas/rollout/1 and physmas/execution/1 beside it.",
+       [&](CLI::App& app) {
+         app.add_option("--scene", options.scene, "Scene or its simulate slice")->required();
+         app.add_option("--state", options.state, "Labels and particles")->required();
+         app.add_option("--candidate", options.candidate, "Candidate to simulate")->required();
+         app.add_option("--out", options.out, "Rollout to write, .h5; the record goes beside it")
+             ->required()
+             ->check([](const std::string& path) {
+               return fs::path(path).extension() == ".h5" ? std::string() : "--out: expected a name that ends in .h5";
+             });
+         app.add_option("--timestep", options.timestep, "paper (the candidate's substeps) or seconds")
+             ->capture_default_str()
+             ->group("Numerics");
+         app.add_option("--precision", options.precision, "float or double")
+             ->check(CLI::IsMember({"float", "double"}))
+             ->capture_default_str()
+             ->group("Numerics");
+         app.add_option("--grid", options.grid, "Cells per axis instead of the run's")
+             ->check(CLI::Range(16, 512))
+             ->group("Numerics");
+         app.add_option("--frames", options.frames, "Output frames instead of the run's, rest frame included")
+             ->check(CLI::Range(1, 10000))
+             ->group("Numerics");
+         app.add_flag("--strict", options.strict, "Exit with 5 when the simulation diverges")->group("Numerics");
+       },
+       [&](const CommonOptions& common) { return simulate(options, common); }});
 }

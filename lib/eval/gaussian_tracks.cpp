@@ -14,7 +14,8 @@ constexpr float kSilhouetteAlpha = 0.5f;
 
 class TargetRenderer {
  public:
-  TargetRenderer(const Scene& scene, const Gaussians& gaussians, const SolverMap& map, const std::vector<uint8_t>& target)
+  TargetRenderer(const Scene& scene, const Gaussians& gaussians, const SolverMap& map,
+                 const std::vector<uint8_t>& target)
       : scene_(scene), map_(map), renderer_(gaussians), labels_(target.begin(), target.end()) {}
 
   // 8-bit mask of the target in frame t.
@@ -37,7 +38,8 @@ class TargetRenderer {
   }
   static cv::Mat mask_of(const splat::RenderedImage& image) {
     cv::Mat mask(image.height, image.width, CV_8U, cv::Scalar(0));
-    for (size_t p = 0; p < image.alpha.size(); ++p) mask.data[p] = image.alpha[p] >= kSilhouetteAlpha && image.label[p] == 1 ? 255 : 0;
+    for (size_t p = 0; p < image.alpha.size(); ++p)
+      mask.data[p] = image.alpha[p] >= kSilhouetteAlpha && image.label[p] == 1 ? 255 : 0;
     return mask;
   }
 
@@ -49,16 +51,19 @@ class TargetRenderer {
 
 }  // namespace
 
-std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, const State& state, const RolloutReader& rollout, const std::vector<uint8_t>& target) {
+std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, const State& state,
+                                const RolloutReader& rollout, const std::vector<uint8_t>& target) {
   TargetRenderer renderer(scene, gaussians, state.map, target);
   const splat::TransportedFrame frame(rollout.frame(0), state.map);
   cv::Mat mask = renderer.silhouette(frame, 0);
-  cv::erode(mask, mask, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}), {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::erode(mask, mask, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}), {-1, -1}, 1, cv::BORDER_CONSTANT,
+            cv::Scalar(0));
   const std::vector<int32_t> dominant = renderer.dominant(frame, 0);
   std::vector<int> queries;
   for (int gy = 0; gy < kGrid; ++gy) {
     for (int gx = 0; gx < kGrid; ++gx) {
-      const int x = static_cast<int>((gx + 0.5) * mask.cols / kGrid), y = static_cast<int>((gy + 0.5) * mask.rows / kGrid);
+      const int x = static_cast<int>((gx + 0.5) * mask.cols / kGrid),
+                y = static_cast<int>((gy + 0.5) * mask.rows / kGrid);
       if (mask.at<uint8_t>(y, x) == 0) continue;
       const int32_t gaussian = dominant[static_cast<size_t>(y) * mask.cols + x];
       if (gaussian >= 0 && target[gaussian] != 0) queries.push_back(gaussian);
@@ -67,7 +72,8 @@ std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, 
   return queries;
 }
 
-TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const State& state, const RolloutReader& rollout, const std::vector<uint8_t>& target,
+TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const State& state,
+                          const RolloutReader& rollout, const std::vector<uint8_t>& target,
                           const std::vector<int>& queries) {
   TargetRenderer renderer(scene, gaussians, state.map, target);
   TargetMotion motion;

@@ -23,11 +23,13 @@ struct TargetMotion {
 // Gaussians that the query grid hits in frame 0 of the reference: under each query pixel inside the target's mask,
 // eroded by one pixel, the target Gaussian with the largest blending weight there.
 // target: [N_G] 1 where the Gaussian belongs to the target. Returns Gaussian indices in grid order.
-std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, const State& state, const RolloutReader& rollout, const std::vector<uint8_t>& target);
+std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, const State& state,
+                                const RolloutReader& rollout, const std::vector<uint8_t>& target);
 
-// Tracks of the query Gaussians' means and the target's visible silhouette, all Gaussians as occluders, over all frames.
-// A point is visible where it projects with positive depth into the target's silhouette.
-TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const State& state, const RolloutReader& rollout, const std::vector<uint8_t>& target,
+// Tracks of the query Gaussians' means and the target's visible silhouette, all Gaussians as occluders, over all
+// frames. A point is visible where it projects with positive depth into the target's silhouette.
+TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const State& state,
+                          const RolloutReader& rollout, const std::vector<uint8_t>& target,
                           const std::vector<int>& queries);
 
 }  // namespace physmas::eval

@@ -19,8 +19,10 @@ Measurement invalid(const std::string& reason) {
 }
 
 std::string shape_mismatch(const Tracks& a, const Tracks& b) {
-  if (a.frames() != b.frames()) return fmt::format("{} predicted frames against {} of the reference", b.frames(), a.frames());
-  if (a.points() != b.points()) return fmt::format("{} predicted points against {} of the reference", b.points(), a.points());
+  if (a.frames() != b.frames())
+    return fmt::format("{} predicted frames against {} of the reference", b.frames(), a.frames());
+  if (a.points() != b.points())
+    return fmt::format("{} predicted points against {} of the reference", b.points(), a.points());
   if (a.frames() == 0 || a.points() == 0) return "no tracked points";
   return "";
 }
@@ -38,7 +40,8 @@ std::vector<std::vector<int>> joint_points(const Tracks& a, const Tracks& b) {
 }
 
 // The kNeighbours nearest points of frame 0, ties by index.
-std::vector<std::vector<int>> neighbour_graph(const std::vector<Eigen::Vector2d>& points, const std::vector<uint8_t>& visible) {
+std::vector<std::vector<int>> neighbour_graph(const std::vector<Eigen::Vector2d>& points,
+                                              const std::vector<uint8_t>& visible) {
   std::vector<std::vector<int>> graph(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     if (visible[i] == 0) continue;
@@ -46,7 +49,9 @@ std::vector<std::vector<int>> neighbour_graph(const std::vector<Eigen::Vector2d>
     for (size_t j = 0; j < points.size(); ++j) {
       if (j != i && visible[j] != 0) others.push_back(static_cast<int>(j));
     }
-    std::stable_sort(others.begin(), others.end(), [&](int a, int b) { return (points[a] - points[i]).squaredNorm() < (points[b] - points[i]).squaredNorm(); });
+    std::stable_sort(others.begin(), others.end(), [&](int a, int b) {
+      return (points[a] - points[i]).squaredNorm() < (points[b] - points[i]).squaredNorm();
+    });
     if (others.size() > kNeighbours) others.resize(kNeighbours);
     graph[i] = others;
   }
@@ -54,7 +59,8 @@ std::vector<std::vector<int>> neighbour_graph(const std::vector<Eigen::Vector2d>
 }
 
 // Least-squares F that maps rest offsets to current ones; nothing when the rest neighbourhood is degenerate.
-std::optional<Eigen::Matrix2d> local_deformation(const Tracks& tracks, size_t t, int center, const std::vector<int>& neighbours) {
+std::optional<Eigen::Matrix2d> local_deformation(const Tracks& tracks, size_t t, int center,
+                                                 const std::vector<int>& neighbours) {
   Eigen::Matrix2d A = Eigen::Matrix2d::Zero(), B = Eigen::Matrix2d::Zero();
   for (int j : neighbours) {
     const Eigen::Vector2d rest = tracks.position[0][j] - tracks.position[0][center];
@@ -87,7 +93,8 @@ Measurement trajectory_nrmse(const Tracks& reference, const Tracks& predicted) {
   for (size_t t = 0; t < joint.size(); ++t) {
     for (int i : joint[t]) {
       const Eigen::Vector2d d = predicted.position[t][i] - reference.position[t][i];
-      sum += d.x() * d.x() / (double(reference.width) * reference.width) + d.y() * d.y() / (double(reference.height) * reference.height);
+      sum += d.x() * d.x() / (double(reference.width) * reference.width) +
+             d.y() * d.y() / (double(reference.height) * reference.height);
       ++pairs;
     }
   }
@@ -96,7 +103,8 @@ Measurement trajectory_nrmse(const Tracks& reference, const Tracks& predicted) {
 }
 
 Measurement area_log_rmse(const std::vector<long>& reference, const std::vector<long>& predicted) {
-  if (reference.size() != predicted.size()) return invalid(fmt::format("{} predicted frames against {} of the reference", predicted.size(), reference.size()));
+  if (reference.size() != predicted.size())
+    return invalid(fmt::format("{} predicted frames against {} of the reference", predicted.size(), reference.size()));
   if (reference.empty()) return invalid("no frames");
   double sum = 0;
   for (size_t t = 0; t < reference.size(); ++t) {

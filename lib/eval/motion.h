@@ -8,8 +8,8 @@
 
 namespace physmas::eval {
 
-// Point tracks of one video: N points over T frames, pixels. A point that is not visible (or has left the target's mask,
-// or is not finite) has visible = 0 and its position means nothing.
+// Point tracks of one video: N points over T frames, pixels. A point that is not visible (or has left the target's
+// mask, or is not finite) has visible = 0 and its position means nothing.
 struct Tracks {
   int width = 0, height = 0;                           // pixels
   std::vector<std::vector<Eigen::Vector2d>> position;  // [T][N]
@@ -36,7 +36,8 @@ constexpr int kMinimumNeighbours = 4;
 constexpr double kRidge = 1e-6;
 constexpr double kDegenerate = 1e-6;
 
-// Eq. (supp-traj): trajectory nRMSE over jointly visible point-frame pairs. Both tracks have the same frames and points.
+// Eq. (supp-traj): trajectory nRMSE over jointly visible point-frame pairs. Both tracks have the same frames and
+// points.
 Measurement trajectory_nrmse(const Tracks& reference, const Tracks& predicted);
 
 // Eq. (supp-area): projected-area log-RMSE. areas: visible target pixels per frame, [T].

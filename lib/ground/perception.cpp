@@ -1,6 +1,7 @@
 #include "ground/perception.h"
 
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 
 #include "base/error.h"
 #include "ground/mask_files.h"
@@ -19,6 +20,9 @@ Perception perceive(const Scene& scene, const Inventory& inventory, const std::s
     perception.views = load_mask_files(mask_folder, inventory, scene.views, perception.files);
   } else {
     perception.views.resize(images.size());
+    // OpenCV fills its CIELAB tables on first use, without a lock: one conversion before the threads start.
+    cv::Mat pixel(1, 1, CV_8UC3, cv::Scalar::all(0));
+    cv::cvtColor(pixel, pixel, cv::COLOR_RGB2Lab);
 #pragma omp parallel for schedule(dynamic)
     for (size_t v = 0; v < images.size(); ++v)
       perception.views[v] = segment_view(images[v], inventory, scene.run.render.background);

@@ -35,8 +35,8 @@ class Handle {
 
 // Called before any other use of the library. Our messages replace what it would print to stderr by itself.
 void prepare_hdf5() {
-  // After a failed flush (a full disk) the library's exit handler would try again and crash. Every file is closed by its
-  // owner here, so nothing is left for that handler to do. It must be switched off before the library starts.
+  // After a failed flush (a full disk) the library's exit handler would try again and crash. Every file is closed by
+  // its owner here, so nothing is left for that handler to do. It must be switched off before the library starts.
   static const herr_t no_exit_handler = H5dont_atexit();
   static_cast<void>(no_exit_handler);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

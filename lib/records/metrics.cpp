@@ -2,7 +2,8 @@
 
 namespace physmas {
 
-void save_metrics(const std::string& path, const std::string& target, const std::vector<MetricEntry>& metrics, const Provenance& provenance) {
+void save_metrics(const std::string& path, const std::string& target, const std::vector<MetricEntry>& metrics,
+                  const Provenance& provenance) {
   Json json;
   json["target"] = target;
   json["metrics"] = Json::object();

@@ -17,7 +17,8 @@ struct MetricEntry {
   std::string reason;
 };
 
-void save_metrics(const std::string& path, const std::string& target, const std::vector<MetricEntry>& metrics, const Provenance& provenance);
+void save_metrics(const std::string& path, const std::string& target, const std::vector<MetricEntry>& metrics,
+                  const Provenance& provenance);
 
 }  // namespace physmas
 

@@ -4,7 +4,8 @@
 
 namespace physmas::splat {
 
-FrameForeground measure_foreground(const RenderedImage& image, const Image& quantized, int frame, double dark_luminance) {
+FrameForeground measure_foreground(const RenderedImage& image, const Image& quantized, int frame,
+                                   double dark_luminance) {
   FrameForeground result;
   result.frame = frame;
   int x0 = image.width, y0 = image.height, x1 = 0, y1 = 0;

@@ -14,7 +14,8 @@ constexpr float kForegroundAlpha = 0.5f;
 
 // The foreground's box, and the share of its pixels whose Rec. 709 luminance (of the 8-bit values as a viewer sees
 // them, over 255) is below `dark_luminance`. quantized: `image` in 8 bits, RGB.
-FrameForeground measure_foreground(const RenderedImage& image, const Image& quantized, int frame, double dark_luminance);
+FrameForeground measure_foreground(const RenderedImage& image, const Image& quantized, int frame,
+                                   double dark_luminance);
 
 }  // namespace physmas::splat
 

@@ -1,6 +1,4 @@
 // Atomic files, portable and contained paths, hashes, error texts.
-#include "base/file.h"
-
 #include <doctest/doctest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -9,6 +7,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "temporary_folder.h"
 

@@ -1,10 +1,10 @@
 // Motion metrics against closed forms.
-#include "eval/motion.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <functional>
+
+#include "eval/motion.h"
 
 using namespace physmas::eval;
 
@@ -27,13 +27,16 @@ Tracks grid_tracks(const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>&
   return tracks;
 }
 
-Eigen::Vector2d still(const Eigen::Vector2d& p) { return p; }
+Eigen::Vector2d still(const Eigen::Vector2d& p) {
+  return p;
+}
 
 }  // namespace
 
 TEST_CASE("eval: a translated video has the translation as trajectory error, and no strain error") {
   const Tracks reference = grid_tracks(still);
-  const Tracks predicted = grid_tracks([](const Eigen::Vector2d& p) { return Eigen::Vector2d(p + Eigen::Vector2d(4, 3)); });
+  const Tracks predicted =
+      grid_tracks([](const Eigen::Vector2d& p) { return Eigen::Vector2d(p + Eigen::Vector2d(4, 3)); });
   // Half of the pairs (frame 1) are off by (4/200, 3/100).
   const Measurement trajectory = trajectory_nrmse(reference, predicted);
   REQUIRE(trajectory.valid);
@@ -59,7 +62,8 @@ TEST_CASE("eval: stretch and shear have their closed-form Green-Lagrange strains
 
 TEST_CASE("eval: a rotated video has no strain error") {
   const double c = std::cos(0.7), s = std::sin(0.7);
-  const Tracks rotated = grid_tracks([&](const Eigen::Vector2d& p) { return Eigen::Vector2d(c * p.x() - s * p.y(), s * p.x() + c * p.y()); });
+  const Tracks rotated = grid_tracks(
+      [&](const Eigen::Vector2d& p) { return Eigen::Vector2d(c * p.x() - s * p.y(), s * p.x() + c * p.y()); });
   CHECK(strain_rmse(grid_tracks(still), rotated).value < 1e-3);  // the ridge is 1e-6 of F
 }
 

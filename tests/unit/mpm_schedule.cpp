@@ -193,7 +193,7 @@ TEST_CASE("mpm materials: pressed plasticine keeps its dent, pressed jelly sprin
   const double foam = height_after(Branch::foam, 0), foam_held = height_after(Branch::foam, 0.4);
   MESSAGE("height after release: jelly ", jelly, ", plasticine ", plasticine, ", foam ", foam, ", foam held ",
           foam_held);
-  CHECK(jelly > 0.33);               // swinging about its rest height
+  CHECK(jelly > 0.33);  // swinging about its rest height
   CHECK(plasticine < 0.32);
   CHECK(foam < 0.36);               // beyond its yield strength it has flowed
   CHECK(foam_held < foam + 0.005);  // and holding it longer does not let it recover

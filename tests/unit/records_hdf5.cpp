@@ -77,7 +77,8 @@ TEST_CASE("hdf5: states with impossible contents are refused") {
   CHECK(error([](State& s) { s.row[4] = -1; }).find("/particles/row: found -1 at element 4") != std::string::npos);
   CHECK(error([](State& s) { s.gaussian_row[0] = 7; }).find("/gaussians/row") != std::string::npos);
   CHECK(error([](State& s) { s.position[3].x() = 2.5f; }).find("/particles/position") != std::string::npos);
-  CHECK(error([](State& s) { s.position[3].x() = std::numeric_limits<float>::quiet_NaN(); }).find("finite") != std::string::npos);
+  CHECK(error([](State& s) { s.position[3].x() = std::numeric_limits<float>::quiet_NaN(); }).find("finite") !=
+        std::string::npos);
   CHECK(error([](State& s) { s.volume[2] = 0; }).find("/particles/volume") != std::string::npos);
   CHECK(error([](State& s) { s.source[1] = 2; }).find("/particles/source") != std::string::npos);
   CHECK(error([](State& s) { s.map.s = 0; }).find("/map/@s") != std::string::npos);
@@ -92,7 +93,8 @@ TEST_CASE("hdf5: a state must belong to its inventory") {
   inventory.rows[0].object = inventory.rows[1].object = "cake";
   inventory.rows[0].part = "plate";
   inventory.rows[1].part = "icing";
-  CHECK(message_of([&] { load_state(folder / "s.h5", &inventory); }).find("rows of the inventory") != std::string::npos);
+  CHECK(message_of([&] { load_state(folder / "s.h5", &inventory); }).find("rows of the inventory") !=
+        std::string::npos);
   inventory.rows[1].part = "sponge";
   CHECK_NOTHROW(load_state(folder / "s.h5", &inventory));
 }
@@ -112,14 +114,16 @@ TEST_CASE("hdf5: a file cut anywhere is refused, never crashes") {
 TEST_CASE("hdf5: another record, another type, another shape are refused by name") {
   const TemporaryFolder folder;
   save_state(folder / "s.h5", small_state(), test_provenance());
-  CHECK(message_of([&] { RolloutReader(folder / "s.h5", 3); }).find("/@schema: found \"physmas/state/1\"") != std::string::npos);
+  CHECK(message_of([&] { RolloutReader(folder / "s.h5", 3); }).find("/@schema: found \"physmas/state/1\"") !=
+        std::string::npos);
   {
     Hdf5Writer out(folder / "r.h5", "rollout", test_provenance());
     const std::vector<int32_t> ints(6);
     out.write_int("/frames/time", {6}, ints.data());
     out.commit();
   }
-  CHECK(message_of([&] { RolloutReader(folder / "r.h5", 3); }).find("/frames/time: found another element type") != std::string::npos);
+  CHECK(message_of([&] { RolloutReader(folder / "r.h5", 3); }).find("/frames/time: found another element type") !=
+        std::string::npos);
   {
     RolloutWriter out(folder / "r.h5", 2, test_provenance());
     const std::vector<float> x(6, 1), F(18, 0), v(6, 0);
@@ -145,13 +149,19 @@ TEST_CASE("hdf5: masks name unknown views, objects and rows") {
   mask.pixels.assign(12, 255);
   mask.confidence = 0.75;
   mask.source = "hints";
-  save_masks(folder / "m.h5", inventory, {{"front", {mask}, {mask}}, {"back", {Mask()}, {Mask()}}}, {}, test_provenance());
+  save_masks(folder / "m.h5", inventory, {{"front", {mask}, {mask}}, {"back", {Mask()}, {Mask()}}}, {},
+             test_provenance());
   const std::vector<ViewMasks> loaded = load_masks(folder / "m.h5", inventory, {"front", "back"});
   CHECK(loaded[0].rows[0].area() == 12);
   CHECK(loaded[0].rows[0].confidence == 0.75);
   CHECK(loaded[1].objects[0].empty());
-  CHECK(message_of([&] { load_masks(folder / "m.h5", inventory, {"front"}); }).find("/views/back") != std::string::npos);
-  CHECK(message_of([&] { load_masks(folder / "m.h5", inventory, {"front", "back", "left"}); }).find("/views/left") != std::string::npos);
+  CHECK(message_of([&] { load_masks(folder / "m.h5", inventory, {"front"}); }).find("/views/back") !=
+        std::string::npos);
+  CHECK(message_of([&] {
+          load_masks(folder / "m.h5", inventory, {"front", "back", "left"});
+        }).find("/views/left") != std::string::npos);
   inventory.rows[0].part = "icing";
-  CHECK(message_of([&] { load_masks(folder / "m.h5", inventory, {"front", "back"}); }).find("unknown row key") != std::string::npos);
+  CHECK(message_of([&] {
+          load_masks(folder / "m.h5", inventory, {"front", "back"});
+        }).find("unknown row key") != std::string::npos);
 }

@@ -1,11 +1,10 @@
 // The JSON loader and the schemas: strict, and clear about what is wrong.
-#include "records/json.h"
-
 #include <doctest/doctest.h>
 
 #include "base/file.h"
 #include "records/candidate.h"
 #include "records/inventory.h"
+#include "records/json.h"
 #include "records/plan.h"
 #include "temporary_folder.h"
 
@@ -61,7 +60,8 @@ TEST_CASE("records: duplicate keys and deep nesting are refused") {
 
 TEST_CASE("records: the inventory's schema and its references") {
   CHECK(inventory_error([](Json&) {}) == "no error");
-  CHECK(contains(inventory_error([](Json& j) { j["schema"] = "physmas/plan/1"; }), "/schema: found \"physmas/plan/1\""));
+  CHECK(
+      contains(inventory_error([](Json& j) { j["schema"] = "physmas/plan/1"; }), "/schema: found \"physmas/plan/1\""));
   CHECK(contains(inventory_error([](Json& j) { j.erase("schema"); }), "/schema: found nothing"));
   CHECK(contains(inventory_error([](Json& j) { j["extra"] = 1; }), "extra"));
   CHECK(contains(inventory_error([](Json& j) { j["rows"][0]["colour"] = 1; }), "/rows/0: found"));
@@ -70,7 +70,10 @@ TEST_CASE("records: the inventory's schema and its references") {
   CHECK(contains(inventory_error([](Json& j) { j["rows"][1]["object"] = "pie"; }), "/rows/1/object: found \"pie\""));
   CHECK(contains(inventory_error([](Json& j) { j["rows"][0]["part"] = "../x"; }), "/rows/0/part"));
   CHECK(contains(inventory_error([](Json& j) { j["objects"].push_back(j["objects"][0]); }), "/objects/1/id"));
-  CHECK(contains(inventory_error([](Json& j) { j["objects"].push_back({{"id", "pie"}, {"name", "pie"}}); }), "no row of object"));
+  CHECK(contains(inventory_error([](Json& j) {
+                   j["objects"].push_back({{"id", "pie"}, {"name", "pie"}});
+                 }),
+                 "no row of object"));
   CHECK(contains(inventory_error([](Json& j) { j["rows"] = Json::array(); }), "/rows"));
 }
 
@@ -112,7 +115,8 @@ TEST_CASE("records: writing an invalid record is a fault of ours, and writes not
   CHECK(code_of({{"round", 7}, {"candidates", Json::array()}, {"omitted", Json::array()}}) == ExitCode::internal);
   CHECK(code_of({{"round", 0.0 / 0.0}}) == ExitCode::internal);
   CHECK_THROWS(read_file(folder / "r.json"));
-  CHECK(code_of({{"round", 0}, {"candidates", Json::array({"posterior"})}, {"omitted", Json::array()}}) == ExitCode::done);
+  CHECK(code_of({{"round", 0}, {"candidates", Json::array({"posterior"})}, {"omitted", Json::array()}}) ==
+        ExitCode::done);
   CHECK(load_round(folder / "r.json").ids == std::vector<std::string>{"posterior"});
 }
 
