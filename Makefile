@@ -36,8 +36,8 @@ CXXFLAGS := -std=c++17 -march=$(ARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fn
 , := ,
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
-          -lopencv_videoio -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
-          -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lfmt
+          -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
+          -lavformat -lavcodec -lswscale -lavutil -lcrypto -lfmt
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp)
 TOOL_SOURCES := $(wildcard tools/*.cpp)
@@ -108,10 +108,10 @@ endif
 
 # --- What a bare Debian 12 lacks: one list for people, make and CI ------------------------------------------------
 
-PACKAGES := g++ make pkg-config libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgproc-dev \
-            libopencv-imgcodecs-dev libopencv-videoio-dev libavcodec-dev \
+PACKAGES := g++ make libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgproc-dev \
+            libopencv-imgcodecs-dev libavcodec-dev \
             libavformat-dev libavutil-dev libswscale-dev nlohmann-json3-dev libvalijson-dev \
-            libcurl4-openssl-dev libssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats python3 gnuplot-nox
+            libssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats python3
 
 # What dpkg does not report as installed. Empty where there is no dpkg: the compiler will tell.
 find_missing = if command -v dpkg-query >/dev/null; then for p in $(PACKAGES); do \
@@ -188,7 +188,7 @@ test-unit: $(BUILD)/test/unit ## The C++ tests
 
 # bats prints TAP; the closing line sums it up.
 test-cli: all $(TEST_TOOLS) ## The command-line tests
-	@log=$$(mktemp); PM_BIN=$(abspath $(BIN)) PM_TEST_TOOLS=$(abspath $(BUILD)/test) bats --tap $(sort $(wildcard tests/cli/*.bats)) | tee $$log; \
+	@log=$$(mktemp); PM_BIN=$(abspath $(BIN)) PM_SAN=$(SAN) bats --tap $(sort $(wildcard tests/cli/*.bats)) | tee $$log; \
 	status=$${PIPESTATUS[0]}; passed=$$(grep -c '^ok' $$log); skipped=$$(grep -c '^ok.* # skip' $$log); failed=$$(grep -c '^not ok' $$log); \
 	rm -f $$log; echo "$$((passed - skipped)) passed, $$failed failed, $$skipped skipped"; exit $$status
 

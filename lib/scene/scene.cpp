@@ -97,6 +97,20 @@ std::string relative_in(const std::string& file, const std::string& root) {
   return relative;
 }
 
+// The scene's output cameras, at the size that `overrides` asks for: the vertical angle of view stays.
+Json output_cameras_for(const Scene& scene, const Json& overrides) {
+  Json cameras = Json::array();
+  const Json render = overrides.contains("render") ? overrides.at("render") : Json::object();
+  for (Camera camera : scene.output_cameras) {
+    const int width = render.value("width", camera.width), height = render.value("height", camera.height);
+    const double x = double(width) / camera.width, y = double(height) / camera.height;
+    camera.fx *= y, camera.fy *= y, camera.cx *= x, camera.cy *= y;
+    camera.width = width, camera.height = height;
+    cameras.push_back(to_json(camera));
+  }
+  return cameras;
+}
+
 }  // namespace
 
 Camera camera_from(const Json& json, const std::string& file, const std::string& pointer) {
@@ -225,6 +239,7 @@ void write_slices(const std::string& scene_path, const Json& overrides, const st
   validate_record(patched, "scene", scene_path);
   const Json whole = to_json(run_specification_from(run, scene_path, "/run"));
   const Scene scene = load_scene(scene_path, {true, true, true, true});
+  const Json cameras = output_cameras_for(scene, overrides);
   const fs::path slice_folder = fs::weakly_canonical(folder);
   for (const SliceContent& content : slice_contents()) {
     Json slice;
@@ -246,7 +261,7 @@ void write_slices(const std::string& scene_path, const Json& overrides, const st
         for (const Json& view : document.at("views")) add_file(view.at("image").get<std::string>());
       }
     }
-    if (content.output_cameras) slice["output_cameras"] = document.at("output_cameras");
+    if (content.output_cameras) slice["output_cameras"] = cameras;
     if (content.authored && document.contains("inventory")) {
       slice["inventory"] = document.at("inventory");
       add_file(document.at("inventory").get<std::string>());

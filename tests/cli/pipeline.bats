@@ -14,7 +14,7 @@ setup() {
 
 # make run on the bundle of the current folder, away from the make that runs the tests.
 run_make() {
-  env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -C "$root" --no-print-directory BUILD="$(dirname "$bin")" \
+  env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -C "$root" --no-print-directory SAN="${PM_SAN:-0}" BUILD="$(dirname "$bin")" \
     run SCENE="$PWD/bundle/scene.json" RUN="$PWD/run" "$@"
 }
 
@@ -110,7 +110,7 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
 @test "pipeline: an imported file; a new prompt reruns what depends on it, not the views" {
   cp bundle/gaussians.ply scene.ply
   import() {
-    env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -C "$root" --no-print-directory BUILD="$(dirname "$bin")" run \
+    env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -C "$root" --no-print-directory SAN="${PM_SAN:-0}" BUILD="$(dirname "$bin")" run \
       GAUSSIANS="$PWD/scene.ply" UP=z RUN="$PWD/run" SPEC="$PWD/spec.json" "$@"
   }
   cat >spec.json <<'J'
@@ -134,7 +134,7 @@ J
   run env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -C "$root" run GAUSSIANS=x.ply
   [ "$status" -ne 0 ]
   [[ "$output" = *"PROMPT"* ]]
-  run env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -C "$root" BUILD="$(dirname "$bin")" run GAUSSIANS=missing.ply PROMPT=x RUN="$PWD/run2"
+  run env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -C "$root" SAN="${PM_SAN:-0}" BUILD="$(dirname "$bin")" run GAUSSIANS=missing.ply PROMPT=x RUN="$PWD/run2"
   [ "$status" -ne 0 ]
   [[ "$output" = *"missing.ply"* ]]
 }

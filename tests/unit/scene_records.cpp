@@ -98,6 +98,19 @@ TEST_CASE("a change reaches only the slices that depend on it") {
   CHECK(bundle.cut({{"render", {{"sh_degree", 0}}}}) == "render");
 }
 
+TEST_CASE("another image size rescales the output cameras and keeps their vertical angle of view") {
+  Bundle bundle("slice-size");
+  bundle.cut();
+  const Camera before = load_scene(bundle.path(), {}).output_cameras.at(0);
+  CHECK(bundle.cut({{"render", {{"width", 3 * before.width}, {"height", 2 * before.height}}}}) == "render");
+  const Camera after = load_scene(bundle.folder + "/spec/render.json", {}).output_cameras.at(0);
+  CHECK(after.width == 3 * before.width);
+  CHECK(after.height == 2 * before.height);
+  CHECK(after.fy / after.height == doctest::Approx(before.fy / before.height));
+  CHECK(after.fx / after.fy == doctest::Approx(before.fx / before.fy));
+  CHECK(after.cx / after.width == doctest::Approx(before.cx / before.width));
+}
+
 TEST_CASE("a slice is a scene of its own that holds what its stage needs") {
   Bundle bundle("slice-read");
   bundle.cut();
