@@ -40,11 +40,7 @@ int motion(const Options& options) {
   const Scene scene = load_scene(options.scene, needs);
   const Inventory inventory = load_inventory(options.inventory);
   const State state = load_state(options.state, &inventory);
-  const Gaussians gaussians = load_gaussians(scene.gaussians);
-  if (state.gaussian_count() != gaussians.size()) {
-    throw invalid_input({options.state, "/gaussians/row", fmt::format("{} Gaussians", state.gaussian_count()),
-                         fmt::format("the {} of {}", gaussians.size(), scene.gaussians)});
-  }
+  const Gaussians gaussians = load_labelled_gaussians(scene.gaussians, state, options.state);
   const std::vector<uint8_t> target = target_mask(inventory, state, options.target);
   const RolloutReader rollout(options.rollout, gaussians.size()), reference(options.reference, gaussians.size());
   const std::vector<int> queries = eval::choose_queries(scene, gaussians, state, reference, target);

@@ -89,13 +89,8 @@ int render(const Options& options, const CommonOptions&) {
   SceneNeeds needs;
   needs.gaussians = needs.output_cameras = true;
   const Scene scene = load_scene(options.scene, needs);
-  const Gaussians gaussians = load_gaussians(scene.gaussians);
   const State state = load_state(options.state);
-  if (state.gaussian_count() != gaussians.size()) {
-    throw invalid_input({options.state, "/gaussians/row", fmt::format("{} Gaussians", state.gaussian_count()),
-                         fmt::format("the {} of {}", gaussians.size(), scene.gaussians),
-                         "make the state again with pm-lift"});
-  }
+  const Gaussians gaussians = load_labelled_gaussians(scene.gaussians, state, options.state);
   const RolloutReader rollout(options.rollout, gaussians.size());
   const std::string execution_path = fs::path(options.rollout).replace_extension(".json").string();
   const ExecutionRecord execution = load_execution(execution_path);

@@ -106,10 +106,13 @@ void validate_record(const Json& document, const std::string& record, const std:
   if (document["schema"] != name) throw invalid_field(file, "/schema", document["schema"], "\"" + name + "\"");
   const std::vector<SchemaViolation> violations = find_schema_violations(document, record);
   if (violations.empty()) return;
-  // The deepest violation is the cause; the ones above it only say that a child is invalid.
+  // The deepest violation is the cause; the ones above it only say that a child is invalid. Where a value may have
+  // several forms, an unknown field says more than that the other form has another type.
   const SchemaViolation* cause = &violations.front();
   for (const SchemaViolation& v : violations) {
-    if (v.depth > cause->depth) cause = &v;
+    const bool names_a_field =
+        v.description.find("unknown field") == 0 && cause->description.find("unknown field") != 0;
+    if (v.depth > cause->depth || (v.depth == cause->depth && names_a_field)) cause = &v;
   }
   Json found;
   try {

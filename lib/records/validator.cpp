@@ -56,6 +56,14 @@ std::string pointer_of(const std::vector<std::string>& context) {
   return pointer;
 }
 
+// valijson's sentence for an unknown field is long and does not say "unknown".
+std::string plain_description(const std::string& description) {
+  static const std::string kUnknown = "Object contains a property that could not be validated using 'properties'";
+  const size_t name = description.find(": '");
+  if (description.compare(0, kUnknown.size(), kUnknown) != 0 || name == std::string::npos) return description;
+  return "unknown field " + description.substr(name + 2, description.size() - name - 3);
+}
+
 }  // namespace
 
 std::vector<SchemaViolation> find_schema_violations(const nlohmann::ordered_json& document, const std::string& record) {
@@ -68,7 +76,8 @@ std::vector<SchemaViolation> find_schema_violations(const nlohmann::ordered_json
   }
   valijson::ValidationResults::Error error;
   while (results.popError(error)) {
-    violations.push_back({pointer_of(error.context), error.description, static_cast<int>(error.context.size())});
+    violations.push_back(
+        {pointer_of(error.context), plain_description(error.description), static_cast<int>(error.context.size())});
   }
   if (violations.empty()) violations.push_back({"", "the schema does not accept it", 0});
   return violations;

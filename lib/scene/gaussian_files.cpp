@@ -110,4 +110,14 @@ Gaussians load_gaussians(const std::string& path) {
   return parse_gaussians(path, read_file(path, kMaxFileBytes));
 }
 
+Gaussians load_labelled_gaussians(const std::string& path, const State& state, const std::string& state_path) {
+  Gaussians gaussians = load_gaussians(path);
+  if (state.gaussian_count() != gaussians.size()) {
+    throw invalid_input({state_path, "/gaussians/row", std::to_string(state.gaussian_count()) + " Gaussians",
+                         "the " + std::to_string(gaussians.size()) + " of " + path,
+                         "make the state again with pm-lift"});
+  }
+  return gaussians;
+}
+
 }  // namespace physmas

@@ -77,6 +77,8 @@ void VideoWriter::State::open_encoder(double fps) {
   encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER | AV_CODEC_FLAG_BITEXACT;
   av_opt_set(encoder->priv_data, "preset", "medium", 0);
   av_opt_set(encoder->priv_data, "crf", kQuality, 0);
+  // Without this, x264's AVX-512 routines for rate control gave different bytes from run to run, even on one thread.
+  check(av_opt_set(encoder->priv_data, "x264-params", "cpu-independent=1", 0), "H.264 encoder");
   check(avcodec_open2(encoder.get(), codec, nullptr), "H.264 encoder");
 
   rgb.reset(require(av_frame_alloc(), "memory"));
