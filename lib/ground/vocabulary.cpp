@@ -1,6 +1,7 @@
 #include "ground/vocabulary.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <map>
 
 #include "ground/words.h"
@@ -128,7 +129,7 @@ std::map<std::string, Verb> make_verbs() {
   return verbs;
 }
 
-bool one_of(const std::string& token, const std::vector<const char*>& words) {
+bool one_of(const std::string& token, std::initializer_list<const char*> words) {
   return std::find(words.begin(), words.end(), token) != words.end();
 }
 
@@ -216,7 +217,7 @@ bool is_determiner(const std::string& token) {
 }
 
 bool is_pronoun(const std::string& token) {
-  return one_of(token, {"it", "them", "they", "itself", "themselves", "he", "she", "him", "him"});
+  return one_of(token, {"it", "them", "they", "itself", "themselves", "he", "she", "him", "her"});
 }
 
 bool makes_passive(const std::string& token) {
