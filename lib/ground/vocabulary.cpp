@@ -217,7 +217,7 @@ bool is_determiner(const std::string& token) {
 }
 
 bool is_pronoun(const std::string& token) {
-  return one_of(token, {"it", "them", "they", "itself", "themselves", "he", "she", "him", "her"});
+  return one_of(token, {"it", "them", "they", "itself", "themselves", "he", "she", "him"});
 }
 
 bool makes_passive(const std::string& token) {
