@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/file.h"
+#include "input_error.h"
 #include "records/hdf5_file.h"
 #include "records/masks.h"
 #include "records/rollout.h"
@@ -19,16 +20,6 @@ Provenance test_provenance() {
   Provenance provenance;
   provenance.tool = "test";
   return provenance;
-}
-
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& e) {
-    CHECK(e.code() == ExitCode::invalid_input);
-    return e.what();
-  }
-  return "no error";
 }
 
 State small_state() {

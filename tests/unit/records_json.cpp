@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "base/file.h"
+#include "input_error.h"
 #include "records/candidate.h"
 #include "records/inventory.h"
 #include "records/json.h"
@@ -11,16 +12,6 @@
 using namespace physmas;
 
 namespace {
-
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& e) {
-    CHECK(e.code() == ExitCode::invalid_input);
-    return e.what();
-  }
-  return "no error";
-}
 
 bool contains(const std::string& text, const std::string& part) {
   INFO(text);
