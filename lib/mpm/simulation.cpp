@@ -85,9 +85,9 @@ std::vector<Omission> omissions(const Problem& problem, const Options& options) 
   for (const int row : problem.particles.row) used[static_cast<int>(problem.materials[row].branch)] = true;
   for (int b = 0; b < kBranchCount; ++b) {
     if (!used[b]) list.push_back({std::string("branch ") + kBranchNames[b], "no particle belongs to it"});
-    svd = svd || (used[b] && needs_svd(static_cast<Branch>(b)));
+    svd = svd || (used[b] && needs_principal_stretches(static_cast<Branch>(b)));
   }
-  if (!svd) list.push_back({"singular value decomposition", "no present branch needs principal stretches"});
+  if (!svd) list.push_back({"principal stretches", "no present branch needs them"});
   if (problem.domain.colliders.empty()) list.push_back({"colliders", "none are configured"});
   if (problem.schedule.actions.empty()) list.push_back({"actions", "none are scheduled"});
   if (problem.schedule.projections.empty()) list.push_back({"structure projection", "no row is projected"});

@@ -468,11 +468,7 @@ PHYSMAS_INLINE void flush_rows(Row<T>* sum, T* corner) {
 template <class T>
 MaterialParameters<typename TypedStepper<T>::V> TypedStepper<T>::group_parameters(int group, int first) const {
   const int common = group_row_[group];
-  if (common >= 0) {
-    const MaterialParameters<T>& p = parameters_[common];
-    return {V(p.mu),       V(p.lambda), V(p.bulk),      V(p.density),   V(p.friction),      V(p.alpha),
-            V(p.cohesion), V(p.yield),  V(p.viscosity), V(p.softening), V(p.residual_yield)};
-  }
+  if (common >= 0) return convert_parameters<V>(parameters_[common]);
   alignas(64) T lanes[kMaterialParameterCount][W];
   for (int l = 0; l < W; ++l) {
     const int i = particle_[first + l];
