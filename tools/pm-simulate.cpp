@@ -21,7 +21,7 @@ namespace {
 
 struct CliOptions {
   std::string scene, state, candidate, out;
-  std::string timestep = "paper", precision = "float";
+  std::string timestep = "paper", precision = "float", energy = "frames";
   int grid = 0, frames = 0;
   bool strict = false;
 };
@@ -173,6 +173,23 @@ int choose_substeps(const CliOptions& options, const Candidate& candidate, doubl
   return std::max(1, static_cast<int>(std::ceil(frame_dt / seconds * (1 - 1e-9))));
 }
 
+// The terms of the energy budget per output frame, as the record names them.
+std::vector<std::pair<std::string, std::vector<double>>> energy_terms(const std::vector<mpm::Balance>& balances) {
+  using Budget = mpm::EnergyBudget;
+  const std::pair<const char*, double Budget::*> terms[] = {
+      {"change", &Budget::change},   {"transfer", &Budget::transfer},  {"contact", &Budget::contact},
+      {"plastic", &Budget::plastic}, {"viscous", &Budget::viscous},    {"projection", &Budget::projection},
+      {"control", &Budget::control}, {"structure", &Budget::structure}};
+  std::vector<std::pair<std::string, std::vector<double>>> list;
+  for (const auto& [name, term] : terms) {
+    list.emplace_back(name, std::vector<double>{});
+    for (const mpm::Balance& balance : balances) list.back().second.push_back(balance.budget.*term);
+  }
+  list.emplace_back("residual", std::vector<double>{});
+  for (const mpm::Balance& balance : balances) list.back().second.push_back(balance.budget.residual());
+  return list;
+}
+
 ExecutionRecord make_record(const Candidate& candidate, const mpm::Problem& problem, const mpm::Result& result,
                             const CliOptions& options, int substeps) {
   ExecutionRecord record;
@@ -191,8 +208,16 @@ ExecutionRecord make_record(const Candidate& candidate, const mpm::Problem& prob
   record.momentum_end = from_mpm(result.balances.back().momentum);
   for (const mpm::Balance& balance : result.balances) {
     record.kinetic.push_back(balance.kinetic);
-    record.elastic.push_back(balance.elastic);
+    if (result.measured_energy) record.elastic.push_back(balance.elastic);
     record.potential.push_back(balance.gravity);
+  }
+  record.energy_measured = options.energy;
+  const mpm::EnergyResidual residual = mpm::energy_residual(result);
+  record.energy_residual = std::isfinite(residual.joules) ? residual.joules : 0;
+  record.energy_scale = std::isfinite(residual.scale) ? residual.scale : 0;
+  if (result.measured_steps) {
+    record.largest_step_residual = result.balances.back().budget.largest_step_residual;
+    record.energy_terms = energy_terms(result.balances);
   }
   record.particles_outside = static_cast<long>(result.particles_outside);
   record.substeps_per_frame = substeps;
@@ -240,10 +265,12 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   mpm::Options solver;
   solver.precision = options.precision == "double" ? mpm::Precision::full : mpm::Precision::single;
   solver.threads = common.threads;
+  solver.measure_energy = options.energy != "off";
+  solver.measure_steps = options.energy == "steps";
 
   Provenance provenance;
   provenance.tool = "pm-simulate";
-  provenance.options = {{"timestep", options.timestep}, {"precision", options.precision}};
+  provenance.options = {{"timestep", options.timestep}, {"precision", options.precision}, {"energy", options.energy}};
   if (options.grid > 0) provenance.options.emplace_back("grid", std::to_string(options.grid));
   if (options.frames > 0) provenance.options.emplace_back("frames", std::to_string(options.frames));
   for (const std::string& input : {options.scene, options.state, options.candidate}) provenance.add_input(input);
@@ -301,6 +328,11 @@ int main(int argc, char** argv) {
              ->group("Numerics");
          app.add_option("--precision", options.precision, "float or double")
              ->check(CLI::IsMember({"float", "double"}))
+             ->capture_default_str()
+             ->group("Numerics");
+         app.add_option("--energy", options.energy,
+                        "Energy balance: off, at output frames, or the budget of all substeps (several times slower)")
+             ->check(CLI::IsMember({"off", "frames", "steps"}))
              ->capture_default_str()
              ->group("Numerics");
          app.add_option("--grid", options.grid, "Cells per axis instead of the run's")

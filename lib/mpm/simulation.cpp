@@ -92,7 +92,10 @@ std::vector<Omission> omissions(const Problem& problem, const Options& options) 
   if (problem.schedule.actions.empty()) list.push_back({"actions", "none are scheduled"});
   if (problem.schedule.projections.empty()) list.push_back({"structure projection", "no row is projected"});
   if (problem.schedule.retentions.empty()) list.push_back({"interface retention", "no support retains its neighbours"});
-  if (!options.measure_energy) list.push_back({"elastic energy and det F range", "not asked for"});
+  if (!options.measure_energy && !options.measure_steps) {
+    list.push_back({"elastic energy and det F range", "not asked for"});
+  }
+  if (!options.measure_steps) list.push_back({"energy budget of every substep", "not asked for"});
   return list;
 }
 
@@ -113,6 +116,7 @@ Balance measure_balance(const Problem& problem, const State& state) {
     const Vec3d spin = {C[2][1] - C[1][2], C[0][2] - C[2][0], C[1][0] - C[0][1]};
     b.mass += m;
     b.kinetic += 0.5 * m * dot(v, v);
+    b.affine += 0.5 * m * spread * squared_norm(C);
     b.gravity -= m * dot(problem.domain.gravity, x);
     b.momentum = b.momentum + m * v;
     b.angular_momentum = b.angular_momentum + m * (cross(x, v) + spread * spin);
@@ -121,6 +125,22 @@ Balance measure_balance(const Problem& problem, const State& state) {
     b.at_wall += low < wall_low || high > wall_high;
   }
   return b;
+}
+
+EnergyResidual energy_residual(const Result& result) {
+  EnergyResidual r;
+  r.measured = result.measured_energy;
+  r.per_step = result.measured_steps;
+  if (!r.measured) return r;
+  double lowest = 0;  // of the total energy less the work of controls
+  for (const Balance& b : result.balances) {
+    const Balance& first = result.balances.front();
+    r.scale = std::max({r.scale, b.kinetic + b.affine + b.elastic, std::fabs(b.gravity - first.gravity)});
+    const double own = b.energy() - b.control_work;
+    if (b.frame == 0 || own < lowest) lowest = own;
+    r.joules = std::max(r.joules, r.per_step ? std::fabs(b.budget.residual()) : own - lowest);
+  }
+  return r;
 }
 
 Result run(const Problem& problem, const Timing& timing, const Options& options, const FrameCallback& callback) {
@@ -151,16 +171,20 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
   setup.volume = problem.particles.volume;
   setup.control_group = actions.group_of();
   setup.team = &team;
+  setup.measure_steps = result.measured_steps = options.measure_steps;
+  result.measured_energy = options.measure_energy || options.measure_steps;
   const auto stepper = make_stepper(options.precision, setup);
   State state = rest_state(problem, setup);
 
   double control_work = 0;
+  EnergyBudget budget;
   const auto hand_out = [&](int frame) {
     Balance b = measure_balance(problem, state);
     b.frame = frame;
     b.time = frame * timing.frame_dt;
     b.control_work = control_work;
-    if (options.measure_energy) {
+    b.budget = budget;
+    if (result.measured_energy) {
       const ElasticSummary elastic = summarise_elastic(setup, state);
       b.elastic = elastic.energy;
       b.min_J = elastic.min_J;
@@ -201,6 +225,7 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
     result.seconds_grid += report.seconds_grid;
     result.seconds_sort += report.seconds_sort;
     control_work += report.control_work;
+    budget.add(report.energy);
     if (report.fault != StepFault::none) {
       result.status = Status::diverged;
       result.first_bad_step = result.steps - 1;
@@ -210,10 +235,18 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
     const Stopwatch frame_watch;
     stepper->store(state);
     if (!projections.empty() || !retentions.empty()) {
-      const double before = measure_balance(problem, state).kinetic;
+      const auto elastic = [&] { return options.measure_steps ? summarise_elastic(setup, state).energy : 0.0; };
+      const Balance before = measure_balance(problem, state);
+      const double elastic_before = elastic();
       for (const CompiledProjection& p : projections) p.apply(state);
       for (const CompiledRetention& r : retentions) r.apply(state);
-      control_work += std::max(0.0, measure_balance(problem, state).kinetic - before);
+      const Balance after = measure_balance(problem, state);
+      control_work += std::max(0.0, after.kinetic - before.kinetic);
+      if (options.measure_steps) {
+        const double change = after.energy() - before.energy() + elastic() - elastic_before;
+        budget.structure += change;
+        budget.change += change;
+      }
     }
     hand_out(frame);
     result.seconds_frames += frame_watch.seconds();

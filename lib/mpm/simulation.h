@@ -36,6 +36,7 @@ struct Options {
   Precision precision = Precision::single;
   int threads = 0;             // 0: all cores. Results do not depend on it, byte for byte
   bool measure_energy = true;  // elastic energy and the range of det F at output frames
+  bool measure_steps = false;  // the energy budget of every substep (much slower); implies measure_energy
 };
 
 // Handed to the callback at every output frame, frame 0 first. `state` holds all particles in the callers' order, after
@@ -53,6 +54,7 @@ struct Balance {
   double time = 0;                     // s
   double mass = 0;                     // kg
   double kinetic = 0;                  // J, particle velocities only
+  double affine = 0;                   // J, kinetic energy of the affine fields of APIC
   double elastic = 0;                  // J; trial energy for Sand, Snow and Plasticine; 0 when not measured
   double gravity = 0;                  // J, relative to the origin of solver space
   double control_work = 0;             // J put in by enforced velocities and impulses since the start (positive parts)
@@ -61,6 +63,20 @@ struct Balance {
   double max_speed = 0;                // m/s
   double min_J = 1, max_J = 1;         // det F; 1 when not measured
   long long at_wall = 0;               // particles whose stencil reaches a wall node
+  EnergyBudget budget;                 // sums since the start; zero unless substeps are measured
+
+  double energy() const { return kinetic + affine + elastic + gravity; }  // J
+};
+
+// How well the energies of a run add up.
+struct EnergyResidual {
+  bool measured = false;  // false: no elastic energy was measured
+  bool per_step = false;
+  // per_step: largest |residual| of the budget at an output frame: what no measured term explains.
+  // Otherwise: the largest rise of the total energy above an earlier frame beyond the work of controls in between:
+  // energy from nowhere, at least; losses cannot be told from dissipation.
+  double joules = 0;
+  double scale = 0;  // J: largest kinetic + elastic energy, or change of the energy of gravity, at an output frame
 };
 
 struct Omission {
@@ -79,8 +95,9 @@ struct Result {
   long long steps = 0;   // substeps done
   double dt = 0;         // s
   double max_speed = 0;  // m/s, over all substeps
-  double min_J = 1, max_J = 1;      // over output frames
-  std::vector<Balance> balances;    // one per frame handed out
+  double min_J = 1, max_J = 1;                           // over output frames
+  std::vector<Balance> balances;                         // one per frame handed out
+  bool measured_energy = false, measured_steps = false;  // what the balances hold
   long long particles_outside = 0;  // most particles that had to be held at the edge of the grid in one substep
   long long particles_at_wall = 0;  // most of at_wall over output frames
   std::vector<Omission> omitted;    // what this problem did not need
@@ -94,6 +111,8 @@ struct Result {
 // Integrates the problem. A diverged run is a result; broken input (a row out of range, a position that is not finite,
 // a volume that is not positive, a parameter outside its domain) throws invalid_input (exit code 3).
 Result run(const Problem& problem, const Timing& timing, const Options& options, const FrameCallback& callback);
+
+EnergyResidual energy_residual(const Result& result);
 
 // Totals of a state; `elastic`, `min_J` and `max_J` are left at their defaults.
 Balance measure_balance(const Problem& problem, const State& state);

@@ -8,6 +8,7 @@
 #include "mpm/blocks.h"
 #include "mpm/collider.h"
 #include "mpm/constitutive.h"
+#include "mpm/energy_budget.h"
 #include "mpm/row.h"
 
 namespace physmas::mpm {
@@ -63,6 +64,7 @@ struct BlockReport {
   double max_speed_squared = 0;
   int clamped = 0;
   bool not_finite = false;
+  ParticleEnergy energy;  // when measured
 };
 
 template <class T>
@@ -91,9 +93,10 @@ class TypedStepper final : public Stepper {
   void refresh_groups();
   template <bool kGather, bool kScatter>
   void pass(double dt, StepReport& report);
-  template <bool kGather, bool kScatter>
+  template <bool kGather, bool kScatter, bool kMeasure>
   void process_block(int block, double dt);
   void grid_update(double dt, StepReport& report);
+  template <bool kMeasure>
   double update_grid_block(const GridBlock& block, double dt);
   void load_arena(const ParticleBlock& block, T* arena) const;
   MaterialParameters<V> group_parameters(int group, int first) const;
@@ -119,9 +122,12 @@ class TypedStepper final : public Stepper {
   // Grid. Velocities lie in blocks of 4^3 nodes of {0, vx, vy, vz}; arenas collect {m, m vx, m vy, m vz}.
   Buffer<T> velocity_;
   Buffer<T> arenas_;
-  std::vector<std::uint8_t> obstacle_;  // per active grid block: a wall or collider may touch it
-  std::vector<double> grid_speed_;      // per active grid block: largest velocity component [m/s]
-  std::vector<BlockReport> reports_;    // per particle block
+  Buffer<T> force_free_arenas_;          // momentum without that of the forces, when energy is measured
+  std::vector<std::uint8_t> obstacle_;   // per active grid block: a wall or collider may touch it
+  std::vector<double> grid_speed_;       // per active grid block: largest velocity component [m/s]
+  std::vector<BlockReport> reports_;     // per particle block
+  std::vector<GridEnergy> grid_energy_;  // per active grid block, when measured
+  EnergyLedger ledger_;
 
   double drift_ = 0;             // cells since the last sort, at most
   double next_drift_ = 0;        // cells in the coming pass, at most
@@ -232,6 +238,8 @@ void TypedStepper<T>::refresh_groups() {
     group_row_[g] = row;
   }
   arenas_.resize(map_.particle_blocks.size() * kArenaNumbers);
+  if (setup_.measure_steps) force_free_arenas_.resize(map_.particle_blocks.size() * kArenaNumbers);
+  grid_energy_.assign(map_.grid_blocks.size(), {});
   reports_.assign(map_.particle_blocks.size(), {});
   grid_speed_.assign(map_.grid_blocks.size(), 0);
   obstacle_.assign(map_.grid_blocks.size(), 0);
@@ -315,23 +323,33 @@ void TypedStepper<T>::resort(StepReport& report) {
 // Sums the arenas that reach a block of nodes in a fixed order, turns momentum into velocity and applies gravity,
 // colliders and walls. Returns the largest velocity component [m/s].
 template <class T>
+template <bool kMeasure>
 double TypedStepper<T>::update_grid_block(const GridBlock& block, double dt) {
   typedef T Quad __attribute__((vector_size(4 * sizeof(T))));
   alignas(64) Quad node[kBlock][kBlock][kBlock] = {};
-  for (int k = block.parts_begin; k < block.parts_end; ++k) {
-    const ArenaPart& part = map_.parts[k];
-    const T* arena = arenas_.data() + static_cast<size_t>(part.arena) * kArenaNumbers;
-    for (int x = part.low[0]; x <= part.high[0]; ++x) {
-      for (int y = part.low[1]; y <= part.high[1]; ++y) {
-        const T* row = arena + 4 * (((x + part.offset[0]) * kArena + y + part.offset[1]) * kArena + part.offset[2]);
-        for (int z = part.low[2]; z <= part.high[2]; ++z) {
-          Quad q;
-          std::memcpy(&q, row + 4 * z, sizeof(q));
-          node[x][y][z] += q;
+  const auto collect = [&](const T* arenas) {
+    for (int k = block.parts_begin; k < block.parts_end; ++k) {
+      const ArenaPart& part = map_.parts[k];
+      const T* arena = arenas + static_cast<size_t>(part.arena) * kArenaNumbers;
+      for (int x = part.low[0]; x <= part.high[0]; ++x) {
+        for (int y = part.low[1]; y <= part.high[1]; ++y) {
+          const T* row = arena + 4 * (((x + part.offset[0]) * kArena + y + part.offset[1]) * kArena + part.offset[2]);
+          for (int z = part.low[2]; z <= part.high[2]; ++z) {
+            Quad q;
+            std::memcpy(&q, row + 4 * z, sizeof(q));
+            node[x][y][z] += q;
+          }
         }
       }
     }
+  };
+  alignas(64) Quad arrived[kBlockNodes], free[kBlockNodes];
+  if constexpr (kMeasure) {
+    collect(force_free_arenas_.data());
+    std::memcpy(arrived, node, sizeof(node));
+    std::memset(node, 0, sizeof(node));
   }
+  collect(arenas_.data());
   const Vec3d& g = setup_.domain.gravity;
   const Quad fall = {T(0), T(dt * g.x), T(dt * g.y), T(dt * g.z)};
   T* out = velocity_.data() + static_cast<size_t>(block.id) * kBlockNodes * 4;
@@ -343,6 +361,7 @@ double TypedStepper<T>::update_grid_block(const GridBlock& block, double dt) {
     u[0] = 0;
     flat[i] = u;
   }
+  if constexpr (kMeasure) std::memcpy(free, flat, sizeof(node));
   if (obstacle_[&block - map_.grid_blocks.data()]) {
     const int wall = setup_.domain.wall_cells, far_wall = setup_.domain.n - wall;
     for (int i = 0; i < kBlockNodes; ++i) {
@@ -363,6 +382,10 @@ double TypedStepper<T>::update_grid_block(const GridBlock& block, double dt) {
     largest = size > largest ? size : largest;
   }
   std::memcpy(out, flat, sizeof(node));
+  if constexpr (kMeasure) {
+    GridEnergy& energy = grid_energy_[&block - map_.grid_blocks.data()] = {};
+    for (int i = 0; i < kBlockNodes; ++i) measure_node(&arrived[i], &free[i], &flat[i], energy);
+  }
   return std::max({double(largest[1]), double(largest[2]), double(largest[3])});
 }
 
@@ -373,9 +396,15 @@ void TypedStepper<T>::grid_update(double dt, StepReport& report) {
   constexpr int kChunk = 8;  // a block alone is less than a microsecond
   setup_.team->for_each((count + kChunk - 1) / kChunk, [&](int chunk) {
     for (int b = chunk * kChunk; b < std::min(count, (chunk + 1) * kChunk); ++b) {
-      grid_speed_[b] = update_grid_block(map_.grid_blocks[b], dt);
+      const GridBlock& block = map_.grid_blocks[b];
+      grid_speed_[b] = setup_.measure_steps ? update_grid_block<true>(block, dt) : update_grid_block<false>(block, dt);
     }
   });
+  if (setup_.measure_steps) {
+    GridEnergy energy;
+    for (const GridEnergy& e : grid_energy_) energy.add(e);
+    ledger_.grid(energy);
+  }
   double speed = 0;
   for (const double s : grid_speed_) speed = std::max(speed, s);
   // Particle velocities are convex combinations of node velocities, so none is faster than the fastest node.
@@ -514,11 +543,13 @@ Mat3<typename TypedStepper<T>::V> TypedStepper<T>::update_stress(int group, int 
 }
 
 template <class T>
-template <bool kGather, bool kScatter>
+template <bool kGather, bool kScatter, bool kMeasure>
 void TypedStepper<T>::process_block(int index, double dt) {
   Scratch scratch;
   const ParticleBlock& block = map_.particle_blocks[index];
   T* const out = arenas_.data() + static_cast<size_t>(index) * kArenaNumbers;
+  T* const force_free = kMeasure ? force_free_arenas_.data() + static_cast<size_t>(index) * kArenaNumbers : nullptr;
+  if constexpr (kMeasure && kScatter) std::memset(force_free, 0, kArenaNumbers * sizeof(T));
   if (kGather) {
     // The fourth node of a row is read with weight zero, also where nothing was loaded.
     std::memset(scratch.arena, 0, sizeof(scratch.arena));
@@ -635,6 +666,8 @@ void TypedStepper<T>::process_block(int index, double dt) {
       return enforced;
     };
 
+    GroupMotion<V> motion;
+    if (kMeasure) motion = {mass, volume, x, F, F, F, v, v, C, C};
     if (kGather) {
       if (controlled && after_.active) enforce(after_, false);
       const V squared = dot(v, v);
@@ -651,7 +684,19 @@ void TypedStepper<T>::process_block(int index, double dt) {
       F = F + V(step) * (C * F);
     }
     // A prime pass only evaluates stress; its F has been through the return map already.
+    if (kMeasure) motion.F_trial = F;
     const Mat3<V> tau = update_stress(group, first, p, V(kGather ? step : T(0)), F, strength);
+    if (kMeasure) {
+      motion.x = x, motion.v = v, motion.C = C;
+      if (kGather) motion.F = F;
+      Branch branch[W];
+      for (int l = 0; l < W; ++l) {
+        branch[l] = setup_.branches[setup_.row[particle_[first + std::min(l, real - 1)]]];
+      }
+      const Vec3d origin = {kBlock * dx_ * block.position[0], kBlock * dx_ * block.position[1],
+                            kBlock * dx_ * block.position[2]};
+      measure_group(motion, p, branch, origin, setup_.domain.gravity, dx_, kGather ? dt : 0, report.energy);
+    }
     if (kGather) {
       for (int a = 0; a < 3; ++a) {
         x[a].copy_to(&field_[a][first], stdx::vector_aligned);
@@ -668,6 +713,11 @@ void TypedStepper<T>::process_block(int index, double dt) {
     }
 
     if (controlled && before_.active) enforce(before_, true);
+    if (kMeasure) {
+      const double scattered = affine_kinetic(mass, v, C, dx_);
+      report.energy.control_before += scattered - affine_kinetic(mass, motion.v, motion.C, dx_);
+      report.energy.scattered += scattered;
+    }
     locate_group(x);
     // Per cell of offset: m C dx − dt V⁰ (4/dx) τ (MLS-MPM, Hu et al. 2018).
     const V inertia = mass * T(dx_), force = -(step * gradient) * volume;
@@ -689,6 +739,23 @@ void TypedStepper<T>::process_block(int index, double dt) {
       weights_of(l, w);
       scatter_particle(sum, w, w + 3, w + 6, scratch.record[l]);
     }
+    if (kMeasure) {
+      const Mat3<V> spin = inertia * C;
+      const Vec3<V> carried = mass * v + spin * to_center;
+      for (int a = 0; a < 3; ++a) {
+        carried[a].copy_to(scratch.lanes[1 + a], stdx::vector_aligned);
+        for (int b = 0; b < 3; ++b) spin[a][b].copy_to(scratch.lanes[4 + 4 * b + 1 + a], stdx::vector_aligned);
+      }
+      lanes_to_records<T>(scratch.lanes, scratch.record);
+      Row<T> own[9];
+      for (auto& s : own) s = Row<T>::zero();
+      for (int l = 0; l < real; ++l) {
+        T w[9];
+        weights_of(l, w);
+        scatter_particle(own, w, w + 3, w + 6, scratch.record[l]);
+        flush_rows(own, force_free + scratch.offset[l]);
+      }
+    }
   }
   if (kScatter && corner >= 0) flush_rows(sum, out + corner);
   report.kinetic = 0.5 * double(stdx::reduce(kinetic));
@@ -702,7 +769,15 @@ template <bool kGather, bool kScatter>
 void TypedStepper<T>::pass(double dt, StepReport& report) {
   const Stopwatch watch;
   const int count = static_cast<int>(map_.particle_blocks.size());
-  setup_.team->for_each(count, [&](int b) { process_block<kGather, kScatter>(b, dt); });
+  if (setup_.measure_steps) {
+    setup_.team->for_each(count, [&](int b) { process_block<kGather, kScatter, true>(b, dt); });
+    ParticleEnergy energy;
+    for (const BlockReport& r : reports_) energy.add(r.energy);
+    kGather ? ledger_.finish(energy) : ledger_.begin(energy);
+    report.energy = ledger_.total();
+  } else {
+    setup_.team->for_each(count, [&](int b) { process_block<kGather, kScatter, false>(b, dt); });
+  }
   double kinetic = 0, speed_squared = 0;
   long long clamped = 0;
   for (const BlockReport& r : reports_) {

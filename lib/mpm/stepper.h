@@ -10,6 +10,7 @@
 
 #include "mpm/control.h"
 #include "mpm/domain.h"
+#include "mpm/energy_budget.h"
 #include "mpm/material.h"
 #include "mpm/state.h"
 #include "mpm/team.h"
@@ -27,6 +28,7 @@ struct StepperSetup {
   std::vector<double> volume;                          // per particle [m^3]
   std::vector<std::uint16_t> control_group;            // per particle
   Team* team = nullptr;                                // runs the loops; outlives the stepper
+  bool measure_steps = false;                          // the energy budget of every substep
 };
 
 enum class StepFault { none, not_finite, speed, energy };
@@ -39,6 +41,7 @@ struct StepReport {
   double control_work = 0;          // kinetic energy that enforced velocities and impulses put in [J]
   long long particles_clamped = 0;  // most particles held at the edge of the grid in one substep
   int sorts = 0;
+  EnergyBudget energy;                                               // when measured
   double seconds_particles = 0, seconds_grid = 0, seconds_sort = 0;  // wall clock
 };
 

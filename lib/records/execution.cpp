@@ -14,14 +14,27 @@ ExecutionRecord load_execution(const std::string& path) {
   record.reason = numerical.value("reason", "");
   if (!numerical.at("first_bad_step").is_null()) record.first_bad_step = numerical.at("first_bad_step").get<long>();
   record.max_speed = numerical.at("max_speed").get<double>();
-  record.J_min = numerical.at("J_range")[0].get<double>();
-  record.J_max = numerical.at("J_range")[1].get<double>();
+  if (!numerical.at("J_range").is_null()) {
+    record.J_min = numerical.at("J_range")[0].get<double>();
+    record.J_max = numerical.at("J_range")[1].get<double>();
+  }
   record.mass = numerical.at("mass").get<double>();
   record.momentum_start = vector3_from(numerical.at("momentum").at("start"));
   record.momentum_end = vector3_from(numerical.at("momentum").at("end"));
   record.kinetic = numerical.at("energy").at("kinetic").get<std::vector<double>>();
   record.elastic = numerical.at("energy").at("elastic").get<std::vector<double>>();
   record.potential = numerical.at("energy").at("potential").get<std::vector<double>>();
+  const Json& energy = numerical.at("energy");
+  record.energy_measured = energy.value("measured", "frames");
+  if (energy.contains("residual")) {
+    record.energy_residual = energy.at("residual").at("joules").get<double>();
+    record.energy_scale = energy.at("residual").at("scale").get<double>();
+    record.largest_step_residual = energy.at("residual").value("largest_step", 0.0);
+  }
+  if (energy.contains("budget")) {
+    for (const auto& [name, values] : energy.at("budget").items())
+      record.energy_terms.emplace_back(name, values.get<std::vector<double>>());
+  }
   record.particles_outside = numerical.at("particles_outside").get<long>();
   record.substeps_per_frame = document.at("steps").at("per_frame").get<int>();
   record.steps = document.at("steps").at("total").get<long>();
@@ -45,10 +58,22 @@ void save_execution(const std::string& path, const ExecutionRecord& record, cons
   numerical["reason"] = record.reason;
   numerical["first_bad_step"] = record.first_bad_step < 0 ? Json() : Json(record.first_bad_step);
   numerical["max_speed"] = record.max_speed;
-  numerical["J_range"] = {record.J_min, record.J_max};
+  const bool measured = record.energy_measured != "off";
+  numerical["J_range"] = measured ? Json{record.J_min, record.J_max} : Json();
   numerical["mass"] = record.mass;
   numerical["momentum"] = {{"start", to_json(record.momentum_start)}, {"end", to_json(record.momentum_end)}};
   numerical["energy"] = {{"kinetic", record.kinetic}, {"elastic", record.elastic}, {"potential", record.potential}};
+  Json& energy = numerical["energy"];
+  energy["measured"] = record.energy_measured;
+  if (measured) {
+    energy["residual"] = {{"joules", record.energy_residual},
+                          {"scale", record.energy_scale},
+                          {"relative", record.energy_scale > 0 ? record.energy_residual / record.energy_scale : 0.0}};
+  }
+  if (!record.energy_terms.empty()) {
+    energy["residual"]["largest_step"] = record.largest_step_residual;
+    for (const auto& [name, values] : record.energy_terms) energy["budget"][name] = values;
+  }
   numerical["particles_outside"] = record.particles_outside;
   json["steps"] = {{"per_frame", record.substeps_per_frame}, {"total", record.steps}, {"dt", record.dt}};
   json["frames"] = record.frames;

@@ -20,7 +20,12 @@ struct ExecutionRecord {
   double J_min = 1, J_max = 1;
   double mass = 0;                                                                                   // kg
   Eigen::Vector3d momentum_start = Eigen::Vector3d::Zero(), momentum_end = Eigen::Vector3d::Zero();  // kg m/s
-  std::vector<double> kinetic, elastic, potential;  // J of solver space, per output frame
+  std::vector<double> kinetic, elastic, potential;  // J of solver space, per output frame; elastic empty: not measured
+  std::string energy_measured = "frames";           // "off", "frames", "steps"
+  double energy_residual = 0, energy_scale = 0;     // J; what they mean depends on energy_measured, see the schema
+  double largest_step_residual = 0;                 // J, with "steps"
+  // With "steps": the terms of the budget, sums since the start, per output frame [J].
+  std::vector<std::pair<std::string, std::vector<double>>> energy_terms;
   long particles_outside = 0;
   int substeps_per_frame = 1;
   long steps = 0;

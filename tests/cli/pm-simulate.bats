@@ -8,6 +8,7 @@ setup() { enter_tiny_run; }
   fails_with 2 "$bin/pm-simulate" -- "--scene"
   fails_with 2 simulate --nonsense -- "--nonsense"
   fails_with 2 simulate --precision half -- "half"
+  fails_with 2 simulate --energy some -- "some"
   fails_with 2 simulate --timestep soon -- "--timestep" "soon"
   fails_with 2 simulate --timestep cfl -- "not built yet"
   fails_with 2 simulate --device cuda -- "CUDA"
@@ -44,6 +45,23 @@ setup() { enter_tiny_run; }
   grep -q '"precision": "double"' rollouts/support-stiff.json
   grep -q '"per_frame": 100' rollouts/support-stiff.json
   grep -q '"frames": 3' rollouts/support-stiff.json
+}
+
+@test "pm-simulate: the energy budget is measured as asked" {
+  simulate --frames 3 --energy off
+  grep -q '"measured": "off"' rollouts/support-stiff.json
+  grep -q '"J_range": null' rollouts/support-stiff.json
+  grep -q '"elastic": \[\]' rollouts/support-stiff.json
+  ! grep -q '"residual"' rollouts/support-stiff.json
+  simulate --frames 3
+  grep -q '"measured": "frames"' rollouts/support-stiff.json
+  grep -q '"relative": ' rollouts/support-stiff.json
+  ! grep -q '"budget"' rollouts/support-stiff.json
+  simulate --frames 3 --energy steps
+  grep -q '"measured": "steps"' rollouts/support-stiff.json
+  for term in change transfer contact plastic viscous projection control structure residual largest_step; do
+    grep -q "\"$term\": " rollouts/support-stiff.json
+  done
 }
 
 @test "pm-simulate: missing and malformed inputs" {
