@@ -29,7 +29,8 @@ struct StepperSetup {
   Team* team = nullptr;                                // runs the loops; outlives the stepper
 };
 
-enum class StepFault { none, not_finite, speed, energy };
+// `budget`: more substeps than allowed; only AdaptiveStepping reports it.
+enum class StepFault { none, not_finite, speed, energy, budget };
 
 // What was seen during the substeps of one interval.
 struct StepReport {
