@@ -31,7 +31,8 @@ struct StepperSetup {
   bool measure_steps = false;                          // the energy budget of every substep
 };
 
-enum class StepFault { none, not_finite, speed, energy };
+// `budget`: more substeps than allowed; only AdaptiveStepping reports it.
+enum class StepFault { none, not_finite, speed, energy, budget };
 
 // What was seen during the substeps of one interval.
 struct StepReport {
