@@ -35,6 +35,7 @@ struct Timing {
 struct Options {
   Precision precision = Precision::single;
   int threads = 0;             // 0: all cores. Results do not depend on it, byte for byte
+  bool track_total_F = false;  // integrate State::total_F = Π (I + dt C), which no return map touches
   bool measure_energy = true;  // elastic energy and the range of det F at output frames
 };
 
@@ -55,7 +56,7 @@ struct Balance {
   double kinetic = 0;                  // J, particle velocities only
   double elastic = 0;                  // J; trial energy for Sand, Snow and Plasticine; 0 when not measured
   double gravity = 0;                  // J, relative to the origin of solver space
-  double control_work = 0;             // J put in by enforced velocities and impulses since the start (positive parts)
+  double control_work = 0;             // J put in by actions and projections since the start (positive parts)
   Vec3d momentum = {0, 0, 0};          // kg m/s
   Vec3d angular_momentum = {0, 0, 0};  // kg m^2/s about the origin, the affine part of APIC included
   double max_speed = 0;                // m/s
