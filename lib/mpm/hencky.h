@@ -79,6 +79,12 @@ PHYSMAS_INLINE Vec3<T> apply(const Radial<T>& map, const Vec3<T>& a) {
   return {map.mean + map.keep * d.x, map.mean + map.keep * d.y, map.mean + map.keep * d.z};
 }
 
+// Principal stresses cut to the Drucker–Prager cone (plasticity.h).
+template <class T>
+PHYSMAS_INLINE Vec3<T> project_to_cone(const Vec3<T>& tau, const T& alpha, const T& k) {
+  return apply(project_to_cone(Scalar<T>(1.0 / 3.0) * sum(tau), norm(deviator(tau)), alpha, k), tau);
+}
+
 // One step by singular values: updates F (where it yields; elsewhere it stays bit for bit) and the strength of
 // plasticine, and returns the Kirchhoff stress. The reference for the closed form below.
 template <class T>
@@ -98,9 +104,7 @@ inline Mat3<T> update_hencky_by_svd(Branch branch, const MaterialParameters<T>& 
   }
   Vec3<T> tau = hencky_principal(strain, p.mu, p.lambda);
   for (int i = 0; i < 3; ++i) tau[i] = tau[i] * select(moved, T(1), q.inside[i]);
-  if (has_stress_cone(branch)) {
-    tau = apply(project_to_cone(Scalar<T>(1.0 / 3.0) * sum(tau), norm(deviator(tau)), p.alpha, p.cohesion), tau);
-  }
+  if (has_stress_cone(branch)) tau = project_to_cone(tau, p.alpha, p.cohesion);
   return from_principal(q.svd.U, tau);
 }
 

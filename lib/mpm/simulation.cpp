@@ -66,6 +66,7 @@ State rest_state(const Problem& problem, const StepperSetup& setup) {
   state.F = problem.particles.deformation_gradient;
   state.F.resize(count, identity<double>());
   state.C.assign(count, diagonal(0.0, 0.0, 0.0));
+  if (setup.track_total_F) state.total_F.assign(count, identity<double>());
   state.strength.resize(count);
   for (size_t i = 0; i < count; ++i) state.strength[i] = setup.parameters[problem.particles.row[i]].yield;
   return state;
@@ -100,6 +101,7 @@ std::vector<Omission> omissions(const Problem& problem, const Options& options) 
   if (problem.schedule.actions.empty()) list.push_back({"actions", "none are scheduled"});
   if (problem.schedule.projections.empty()) list.push_back({"structure projection", "no row is projected"});
   if (problem.schedule.retentions.empty()) list.push_back({"interface retention", "no support retains its neighbours"});
+  if (!options.track_total_F) list.push_back({"total deformation", "frames hold the elastic one"});
   if (!options.measure_energy && !options.measure_steps) {
     list.push_back({"elastic energy and det F range", "not asked for"});
   }
@@ -178,6 +180,7 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
   setup.row = problem.particles.row;
   setup.volume = problem.particles.volume;
   setup.control_group = actions.group_of();
+  setup.track_total_F = options.track_total_F;
   setup.team = &team;
   setup.measure_steps = result.measured_steps = options.measure_steps;
   result.measured_energy = options.measure_energy || options.measure_steps;

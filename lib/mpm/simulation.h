@@ -40,6 +40,7 @@ struct Timing {
 struct Options {
   Precision precision = Precision::single;
   int threads = 0;             // 0: all cores. Results do not depend on it, byte for byte
+  bool track_total_F = false;  // integrate State::total_F = Π (I + dt C), which no return map touches
   bool measure_energy = true;  // elastic energy and the range of det F at output frames
   bool measure_steps = false;  // the energy budget of every substep (much slower); implies measure_energy
   long long max_steps = 10'000'000;  // a run that needs more ends as `diverged`, reason "budget"
@@ -63,7 +64,7 @@ struct Balance {
   double affine = 0;                   // J, kinetic energy of the affine fields of APIC
   double elastic = 0;                  // J; trial energy for Sand, Snow and Plasticine; 0 when not measured
   double gravity = 0;                  // J, relative to the origin of solver space
-  double control_work = 0;             // J put in by enforced velocities and impulses since the start (positive parts)
+  double control_work = 0;             // J put in by actions and projections since the start (positive parts)
   Vec3d momentum = {0, 0, 0};          // kg m/s
   Vec3d angular_momentum = {0, 0, 0};  // kg m^2/s about the origin, the affine part of APIC included
   double max_speed = 0;                // m/s

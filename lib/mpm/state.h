@@ -26,6 +26,7 @@ struct State {
   std::vector<Vec3d> v;          // [N] velocity [m/s]
   std::vector<Mat3d> F;          // [N] elastic deformation gradient, after the return map
   std::vector<Mat3d> C;          // [N] APIC affine velocity map B of the paper [1/s]
+  std::vector<Mat3d> total_F;    // [N] total deformation gradient, without return maps; empty unless it is tracked
   std::vector<double> strength;  // [N] current von Mises strength of plasticine [Pa]
 
   size_t size() const { return x.size(); }
