@@ -4,78 +4,25 @@
 
 namespace physmas::mpm {
 
-BlockMap::BlockMap(int nodes, int lanes) : table_((nodes + kBlock - 1) / kBlock + 2), lanes_(lanes) {
-  slot_of_block_.assign(grid_block_count(), -1);
+BlockMap::BlockMap(int nodes) : table_((nodes + kBlock - 1) / kBlock + 2) {
+  index_of_id_.assign(grid_block_count(), -1);
 }
 
-void BlockMap::sort(const std::vector<int>& base) {
-  const int count = static_cast<int>(base.size() / 3);
-  // Active blocks in ascending id.
-  std::vector<int> ids;
-  bucket_.resize(count);
-  order_.resize(count);
-  for (int i = 0; i < count; ++i) {
-    const int id = block_id(base[3 * i] / kBlock, base[3 * i + 1] / kBlock, base[3 * i + 2] / kBlock);
-    bucket_[i] = id;
-    if (slot_of_block_[id] < 0) {
-      slot_of_block_[id] = 0;
-      ids.push_back(id);
-    }
-  }
+void BlockMap::start(std::vector<int> ids) {
   std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   particle_blocks.assign(ids.size(), {});
   for (size_t b = 0; b < ids.size(); ++b) {
-    slot_of_block_[ids[b]] = static_cast<int>(b);
-    particle_blocks[b].id = ids[b];
-  }
-  for (int i = 0; i < count; ++i) {
-    bucket_[i] = slot_of_block_[bucket_[i]];
-    ++particle_blocks[bucket_[i]].count;
-  }
-  for (const int id : ids) slot_of_block_[id] = -1;
-
-  // Stable: particles of a block keep their previous order inside each cell.
-  std::vector<int> next(ids.size());
-  int slots = 0, particles = 0;
-  for (size_t b = 0; b < ids.size(); ++b) {
-    particle_blocks[b].begin = slots;
-    next[b] = particles;
-    particles += particle_blocks[b].count;
-    slots += (particle_blocks[b].count + lanes_ - 1) / lanes_ * lanes_;
-  }
-  for (int i = 0; i < count; ++i) order_[next[bucket_[i]]++] = i;
-
-  source.assign(slots, -1);
-  int first = 0;
-  for (ParticleBlock& block : particle_blocks) {
-    int cell_begin[kBlockNodes + 1] = {};
-    const auto cell_of = [&](int i) {
-      return ((base[3 * i] % kBlock) * kBlock + base[3 * i + 1] % kBlock) * kBlock + base[3 * i + 2] % kBlock;
-    };
+    index_of_id_[ids[b]] = static_cast<int>(b);
+    ParticleBlock& block = particle_blocks[b];
+    block.id = ids[b];
     for (int axis = 0; axis < 3; ++axis) {
-      block.position[axis] = base[3 * order_[first] + axis] / kBlock;
-      block.low[axis] = kArena, block.high[axis] = -1;
+      block.position[axis] = ids[b] / id_stride(axis) % table_ - 1;
     }
-    for (int k = first; k < first + block.count; ++k) {
-      const int i = order_[k];
-      ++cell_begin[cell_of(i) + 1];
-      for (int axis = 0; axis < 3; ++axis) {
-        // Arena node of the base is (base % 4) + 1; one cell of drift; two further nodes of the stencil.
-        const int node = base[3 * i + axis] % kBlock;
-        block.low[axis] = std::min(block.low[axis], node);
-        block.high[axis] = std::max(block.high[axis], node + 4);
-      }
-    }
-    for (int c = 0; c < kBlockNodes; ++c) cell_begin[c + 1] += cell_begin[c];
-    for (int k = first; k < first + block.count; ++k) {
-      source[block.begin + cell_begin[cell_of(order_[k])]++] = order_[k];
-    }
-    first += block.count;
   }
-  collect_grid_blocks();
 }
 
-void BlockMap::collect_grid_blocks() {
+void BlockMap::connect() {
   struct Reach {
     int id, position[3];
     ArenaPart part;

@@ -1,4 +1,4 @@
-// Particles sorted by blocks of 4^3 cells, and which grid blocks they reach.
+// Blocks of 4^3 cells with their particles, and which blocks of grid nodes they reach.
 //
 // A particle belongs to the cell of its base node, the lowest of the 3 nodes per axis that its quadratic B-spline
 // touches. Every particle block owns an arena of 8^3 nodes: its 4^3 cells, the two further nodes of the stencil, and
@@ -18,11 +18,15 @@ constexpr int kArenaNodes = kArena * kArena * kArena;
 
 // A block of cells with its particles. Arena node 0 is grid node 4 * position - 1.
 struct ParticleBlock {
-  int id;               // index into the table of grid blocks
-  int position[3];      // block coordinates: grid node 4 * position is the block's first
-  int begin;            // first slot, a multiple of the lane count
-  int count;            // particles; slots up to the next multiple of the lane count are empty
-  int low[3], high[3];  // arena nodes that its particles can reach until the next sort, inclusive
+  int id = 0;            // index into the table of grid blocks
+  int position[3] = {};  // block coordinates: grid node 4 * position is the block's first
+  int first = 0;         // first of its particles in the order of the last sort
+  int count = 0;         // particles
+  int begin = 0;         // first slot, a multiple of the lane count
+  int slots = 0;         // slots that belong to it, a multiple of the lane count
+  // Arena nodes, inclusive: that its particles can reach until the next sort, and that they reach now.
+  std::int8_t low[3] = {}, high[3] = {};
+  std::int8_t now_low[3] = {}, now_high[3] = {};
 };
 
 // What one arena adds to one grid block: the overlap of both.
@@ -41,12 +45,8 @@ struct GridBlock {
 
 class BlockMap {
  public:
-  // nodes: grid nodes per axis; lanes: slots per particle group.
-  BlockMap(int nodes, int lanes);
-
-  // Sorts particles by (block, cell, previous order). base: [3 N] base nodes per particle, x y z; each in 1..nodes-4.
-  // Afterwards `source` names for every slot the particle that it holds, -1 for an empty one.
-  void sort(const std::vector<int>& base);
+  // nodes: grid nodes per axis.
+  explicit BlockMap(int nodes);
 
   int grid_block_count() const { return table_ * table_ * table_; }
   // One ring of blocks around the grid keeps neighbours of border blocks addressable.
@@ -54,18 +54,21 @@ class BlockMap {
   // Distance between the ids of blocks that are neighbours along an axis.
   int id_stride(int axis) const { return axis == 0 ? table_ * table_ : axis == 1 ? table_ : 1; }
 
-  std::vector<int> source;
+  // Starts a new set of particle blocks from the ids that hold particles, in any order, repeated or not. Counts and
+  // reaches are left for the caller to fill in.
+  void start(std::vector<int> ids);
+  // Index of the particle block with this id, which must be one of the set.
+  int index_of(int id) const { return index_of_id_[id]; }
+  // Once every particle block knows its reach: which grid blocks there are, and which arenas they sum.
+  void connect();
+
   std::vector<ParticleBlock> particle_blocks;  // ascending id
   std::vector<GridBlock> grid_blocks;          // ascending id
   std::vector<ArenaPart> parts;
 
  private:
-  void collect_grid_blocks();
-
   int table_;
-  int lanes_;
-  std::vector<int> slot_of_block_;  // scratch: block id → index, -1 when not active
-  std::vector<int> bucket_, order_;
+  std::vector<int> index_of_id_;  // valid for the present blocks only
 };
 
 }  // namespace physmas::mpm

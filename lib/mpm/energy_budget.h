@@ -65,15 +65,15 @@ struct GridEnergy {
 // Adds one node. Each of its numbers is a vector {·, x, y, z}; arrived: {mass, momentum without forces}; free, left:
 // velocity before and after contact. Contact works along the mean of the first and the last velocity, so that a node
 // which rests on a floor costs nothing.
-template <class Quad>
-void measure_node(const Quad* arrived, const Quad* free, const Quad* left, GridEnergy& out) {
-  const double mass = (*arrived)[0];
+template <class T>
+void measure_node(const T* arrived, const T* free, const T* left, GridEnergy& out) {
+  const double mass = arrived[0];
   if (!(mass > 0)) return;
   for (int a = 1; a <= 3; ++a) {
-    const double u0 = (*arrived)[a] / mass, u3 = (*left)[a];
+    const double u0 = arrived[a] / mass, u3 = left[a];
     out.arrived += 0.5 * mass * u0 * u0;
     out.left += 0.5 * mass * u3 * u3;
-    out.contact += 0.5 * mass * (u3 - (*free)[a]) * (u0 + u3);
+    out.contact += 0.5 * mass * (u3 - free[a]) * (u0 + u3);
   }
 }
 
@@ -176,8 +176,8 @@ double affine_kinetic(const V& mass, const Vec3<V>& v, const Mat3<V>& C, double 
 template <class V>
 struct GroupMotion {
   V mass, volume;
-  Vec3<V> x;                     // after the substep, in cells from `origin`
-  Mat3<V> F_before, F_trial, F;  // before the substep, before and after the return map
+  Vec3<V> x;                       // after the substep, in cells from `origin`
+  Mat3<V> F_before, F_trial, F;    // before the substep, before and after the return map
   Vec3<V> v_gathered, v, v_moved;  // before and after controls; what the place moved with
   Mat3<V> C_gathered, C, C_moved;  // likewise; what F advanced with
 };

@@ -54,10 +54,15 @@ PHYSMAS_INLINE JellyTerms<T> jelly_terms(const T& J) {
 // τ = μ (g b + g' J/2 tr(b) I) + κ U' J I; above the floor that is μ J^(−2/3) dev b + κ/2 (J² − 1) I.
 template <class T>
 PHYSMAS_INLINE Mat3<T> jelly_stress(const Mat3<T>& F_any, const T& mu, const T& bulk) {
-  const Mat3<T> F = cap_deformation(F_any);
+  Mat3<T> F = F_any;
+  Mat3<T> b = times_transposed(F, F);
+  const T cap(static_cast<Scalar<T>>(kDeformationCap));
+  if (!all(trace(b) < cap * cap)) {  // no entry is beyond the cap unless the norm is
+    F = cap_deformation(F_any);
+    b = times_transposed(F, F);
+  }
   const T J = determinant(F);
   const JellyTerms<T> j = jelly_terms(J);
-  const Mat3<T> b = times_transposed(F, F);
   const T pressure = J * (Scalar<T>(0.5) * mu * j.dg * trace(b) + bulk * j.dU);
   Mat3<T> tau = (mu * j.g) * b;
   tau[0].x += pressure, tau[1].y += pressure, tau[2].z += pressure;

@@ -29,12 +29,35 @@ struct ScalarOf<stdx::simd<T, stdx::simd_abi::native<T>>> {
   using Type = T;
 };
 
+// The same bytes as another type.
+template <class To, class From>
+PHYSMAS_INLINE To same_bytes(const From& from) {
+  static_assert(sizeof(To) == sizeof(From));
+  To to;
+  std::memcpy(static_cast<void*>(&to), static_cast<const void*>(&from), sizeof(To));
+  return to;
+}
+
 template <class T, class Abi>
 PHYSMAS_INLINE stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& condition, const stdx::simd<T, Abi>& yes,
                                          const stdx::simd<T, Abi>& no) {
   stdx::simd<T, Abi> result = no;
   stdx::where(condition, result) = yes;
   return result;
+}
+// The compiler's own vector of the same size: its comparisons compile to one maximum or minimum.
+template <class T, class Abi>
+using RawVector __attribute__((vector_size(sizeof(stdx::simd<T, Abi>)))) = T;
+
+template <class T, class Abi>
+PHYSMAS_INLINE stdx::simd<T, Abi> at_least(const stdx::simd<T, Abi>& x, const stdx::simd<T, Abi>& low) {
+  const auto a = same_bytes<RawVector<T, Abi>>(x), b = same_bytes<RawVector<T, Abi>>(low);
+  return same_bytes<stdx::simd<T, Abi>>(RawVector<T, Abi>(a > b ? a : b));
+}
+template <class T, class Abi>
+PHYSMAS_INLINE stdx::simd<T, Abi> at_most(const stdx::simd<T, Abi>& x, const stdx::simd<T, Abi>& high) {
+  const auto a = same_bytes<RawVector<T, Abi>>(x), b = same_bytes<RawVector<T, Abi>>(high);
+  return same_bytes<stdx::simd<T, Abi>>(RawVector<T, Abi>(a < b ? a : b));
 }
 template <class T, class Abi>
 PHYSMAS_INLINE bool all(const stdx::simd_mask<T, Abi>& condition) {
@@ -74,15 +97,6 @@ struct FloatBits<double> {
   static constexpr Int kBias = 1023;
   static constexpr Int kHalf = 0x3fe0000000000000;
 };
-
-// The same bytes as another type.
-template <class To, class From>
-PHYSMAS_INLINE To same_bytes(const From& from) {
-  static_assert(sizeof(To) == sizeof(From));
-  To to;
-  std::memcpy(static_cast<void*>(&to), static_cast<const void*>(&from), sizeof(To));
-  return to;
-}
 
 // Natural logarithm of positive normal numbers, within 2 ulp. log(m 2^e) = e log 2 + 2 atanh((m - 1) / (m + 1)) with m
 // in [sqrt(1/2), sqrt(2)): exact at 1, and the relative error stays small next to 1, where strains are tiny.

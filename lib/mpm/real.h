@@ -8,18 +8,4 @@
 #include "mpm/lanes.h"
 #endif
 
-namespace physmas::mpm {
-
-// NaN in the first argument gives the second: a bad number never survives a clamp.
-template <class T>
-PHYSMAS_INLINE T at_least(T x, T low) {
-  return select(x > low, x, low);
-}
-template <class T>
-PHYSMAS_INLINE T at_most(T x, T high) {
-  return select(x < high, x, high);
-}
-
-}  // namespace physmas::mpm
-
 #endif

@@ -9,8 +9,10 @@
 // its own words here; sanitizers take minutes to instrument what is inlined into one function.
 #if defined(__SANITIZE_ADDRESS__)
 #define PHYSMAS_INLINE inline
+#define PHYSMAS_LAMBDA_INLINE
 #else
 #define PHYSMAS_INLINE inline __attribute__((always_inline))
+#define PHYSMAS_LAMBDA_INLINE __attribute__((always_inline))
 #endif
 
 namespace physmas::mpm {
@@ -35,6 +37,20 @@ PHYSMAS_INLINE float select(bool condition, float yes, float no) {
 PHYSMAS_INLINE double select(bool condition, double yes, double no) {
   return condition ? yes : no;
 }
+// NaN in the first argument gives the second: a bad number never survives a clamp.
+PHYSMAS_INLINE float at_least(float x, float low) {
+  return x > low ? x : low;
+}
+PHYSMAS_INLINE double at_least(double x, double low) {
+  return x > low ? x : low;
+}
+PHYSMAS_INLINE float at_most(float x, float high) {
+  return x < high ? x : high;
+}
+PHYSMAS_INLINE double at_most(double x, double high) {
+  return x < high ? x : high;
+}
+
 PHYSMAS_INLINE bool all(bool condition) {
   return condition;
 }

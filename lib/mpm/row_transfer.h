@@ -1,0 +1,75 @@
+// Transfers of one particle, vectorised over the nodes of its stencil: for particles whose neighbours in the register
+// are anywhere in the block. patch.h has the transfers of densely filled cells.
+#ifndef PHYSMAS_MPM_ROW_TRANSFER_H
+#define PHYSMAS_MPM_ROW_TRANSFER_H
+
+#include "mpm/blocks.h"
+#include "mpm/row.h"
+
+namespace physmas::mpm {
+
+// Nine rows of one particle's stencil, contracted one axis at a time. Results: velocity and the first moments
+// Σ w v (node − centre node) along x, y and z in cells, four numbers each, the first of them without meaning.
+template <class T>
+PHYSMAS_INLINE Row<T> z_weights(const T* wz) {
+  using R = Row<T>;
+  return wz[0] * R::template unit<0>() + (wz[1] * R::template unit<1>() + wz[2] * R::template unit<2>());
+}
+
+// Nodes counted from the centre node along z.
+template <class T>
+PHYSMAS_INLINE Row<T> z_steps() {
+  return Row<T>::template unit<2>() - Row<T>::template unit<0>();
+}
+
+template <class T>
+PHYSMAS_INLINE void gather_particle(const T* corner, const T* wx, const T* wy, const T* wz, T* out) {
+  using R = Row<T>;
+  R sum[3], slope[3];
+  for (int i = 0; i < 3; ++i) {
+    const T* row = corner + 4 * kArena * kArena * i;
+    const R low = rounded(wy[0] * R::load(row)), last = R::load(row + 8 * kArena);
+    sum[i] = wy[2] * last + (wy[1] * R::load(row + 4 * kArena) + low);
+    slope[i] = wy[2] * last - low;
+  }
+  const R low = rounded(wx[0] * sum[0]);
+  const R weight = z_weights(wz);
+  const R total = (wx[2] * sum[2] + (wx[1] * sum[1] + low)) * weight;
+  const R along_x = (wx[2] * sum[2] - low) * weight;
+  const R along_y = (wx[0] * slope[0] + wx[1] * slope[1] + wx[2] * slope[2]) * weight;
+  const R along_z = total * z_steps<T>();
+  R::sums_of_nodes(total, along_x, along_y, along_z).store(out);
+}
+
+// Adds w (P + Q (node − centre node)) to nine row accumulators. record: {m, P}, and the columns of Q, four numbers
+// each.
+template <class T>
+PHYSMAS_INLINE void scatter_particle(Row<T>* sum, const T* wx, const T* wy, const T* wz, const T* record) {
+  using R = Row<T>;
+  const R weight = z_weights(wz);
+  const R all = R::load(record);
+  const R center = (all.template repeat<0>() + z_steps<T>() * all.template repeat<3>()) * weight;
+  const R x = all.template repeat<1>() * weight, y = all.template repeat<2>() * weight;
+  const R plane[3] = {wx[0] * (center - x), wx[1] * center, wx[2] * (center + x)};
+  for (int i = 0; i < 3; ++i) {
+    const R slope = wx[i] * y;
+    sum[3 * i] = wy[0] * (plane[i] - slope) + sum[3 * i];
+    sum[3 * i + 1] = wy[1] * plane[i] + sum[3 * i + 1];
+    sum[3 * i + 2] = wy[2] * (plane[i] + slope) + sum[3 * i + 2];
+  }
+}
+
+template <class T>
+PHYSMAS_INLINE void flush_rows(Row<T>* sum, T* corner) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      T* row = corner + 4 * kArena * (kArena * i + j);
+      (Row<T>::load(row) + sum[3 * i + j]).store(row);
+      sum[3 * i + j] = Row<T>::zero();
+    }
+  }
+}
+
+}  // namespace physmas::mpm
+
+#endif
