@@ -15,8 +15,7 @@ void bind_drag(const ScheduleOperation& op, mpm::Schedule& schedule) {
   schedule.actions.push_back(
       mpm::SlabMotion{op.rows, to_mpm(op.velocity), to_mpm(op.direction), op.slab_fraction, op.start, op.end});
   if (op.follow == Follow::none) return;
-  const double distance =
-      op.follow == Follow::target ? std::numeric_limits<double>::infinity() : op.distance;
+  const double distance = op.follow == Follow::target ? std::numeric_limits<double>::infinity() : op.distance;
   schedule.actions.push_back(
       mpm::DragFollow{op.neighbours, op.rows, to_mpm(op.velocity), distance, op.blend_time, op.start, op.end});
 }
@@ -36,12 +35,11 @@ mpm::Schedule bind_schedule(const Candidate& candidate, const RunSpecification& 
         schedule.actions.push_back(mpm::TopPress{op.rows, velocity, up, op.slab_fraction, op.start, op.end});
         break;
       case Kind::radial_spread:
-        schedule.actions.push_back(mpm::RadialSpread{op.rows, up, op.speed_limit, op.blend_time, op.position_weight,
-                                                     op.start, op.end});
+        schedule.actions.push_back(
+            mpm::RadialSpread{op.rows, up, op.speed_limit, op.blend_time, op.position_weight, op.start, op.end});
         break;
       case Kind::vertical_compress:
-        schedule.actions.push_back(
-            mpm::VerticalCompress{op.rows, up, op.ratio, op.speed_limit, op.start, op.end});
+        schedule.actions.push_back(mpm::VerticalCompress{op.rows, up, op.ratio, op.speed_limit, op.start, op.end});
         break;
       case Kind::side_compress:
         schedule.actions.push_back(mpm::SideCompress{op.rows, direction, op.ratio, op.slab_fraction, op.speed_limit,
@@ -57,16 +55,14 @@ mpm::Schedule bind_schedule(const Candidate& candidate, const RunSpecification& 
         }
         break;
       case Kind::impulse:
-        schedule.actions.push_back(
-            mpm::Impulse{op.rows, velocity, op.start, op.end - op.start, run.time.substep_dt});
+        schedule.actions.push_back(mpm::Impulse{op.rows, velocity, op.start, op.end - op.start, run.time.substep_dt});
         break;
       case Kind::torque:
         schedule.actions.push_back(mpm::Torque{op.rows, direction, op.rate, op.slab_fraction, op.speed_limit,
                                                op.blend_time, op.start, op.end});
         break;
       case Kind::support_hold:
-        schedule.actions.push_back(
-            mpm::SlabMotion{op.rows, {0, 0, 0}, direction, op.slab_fraction, op.start, op.end});
+        schedule.actions.push_back(mpm::SlabMotion{op.rows, {0, 0, 0}, direction, op.slab_fraction, op.start, op.end});
         break;
       case Kind::structure_projection:
         for (const int row : op.rows) {

@@ -18,8 +18,8 @@ Eigen::Vector3d own_direction(const Event& event, ActionType type, const SceneGe
 // The default of the action under the event's strength, or the speed it says; not bounded yet.
 double wanted_magnitude(const Event& event, ActionType type);
 
-// How long a mover is driven [s]: over the free gap and a part of the target's depth; `otherwise` where the masks do not
-// tell.
+// How long a mover is driven [s]: over the free gap and a part of the target's depth; `otherwise` where the masks do
+// not tell.
 double contact_time(const PlanAction& action, const SceneGeometry& geometry, double otherwise);
 
 }  // namespace physmas::ground

@@ -107,7 +107,7 @@ class TypedStepper final : public Stepper {
   int slots_ = 0;
   Buffer<T> field_[kFields], field_back_[kFields];  // x in cells from the block's first node; F row-major
   Buffer<T> volume_, volume_back_, strength_, strength_back_;
-  Buffer<int> particle_, particle_back_;        // -1: empty slot
+  Buffer<int> particle_, particle_back_;  // -1: empty slot
   bool tracks_total_F_ = false;
   Buffer<T> total_F_[9], total_F_back_[9];      // row-major; empty unless tracked
   Buffer<T> v_[3], C_[9];                       // valid between intervals only

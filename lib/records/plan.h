@@ -46,8 +46,8 @@ struct PlanAction {
   double magnitude = 0;                                 // see schemas/plan.json
   double start = 0, end = 0;                            // seconds, [start, end)
   std::string role = "target";
-  bool impact = false;  // the action specifies an impact (readings, "Candidates")
-  bool slab = false;    // torque, support_hold: acts on the slab at the end that `direction` points to
+  bool impact = false;           // the action specifies an impact (readings, "Candidates")
+  bool slab = false;             // torque, support_hold: acts on the slab at the end that `direction` points to
   Follow follow = Follow::none;  // drag_pair
 };
 

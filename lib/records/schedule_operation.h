@@ -41,18 +41,18 @@ struct ScheduleOperation {
   double blend_time = 2e-3;    // s
   double position_weight = 0;  // share of the field in the motion of places
   Follow follow = Follow::none;
-  double distance = 0;             // m: how far the interface of drag_pair reaches
-  std::vector<int> neighbours;     // drag_pair: rows that follow; interface_retention: rows that may be bonded
-  double eta = 0;                  // structure_projection
-  bool rigid = false;              // structure_projection: turns with the row (run specification, projection.mode)
+  double distance = 0;          // m: how far the interface of drag_pair reaches
+  std::vector<int> neighbours;  // drag_pair: rows that follow; interface_retention: rows that may be bonded
+  double eta = 0;               // structure_projection
+  bool rigid = false;           // structure_projection: turns with the row (run specification, projection.mode)
   bool is_action() const { return kind < Kind::structure_projection; }
 };
 
 static_assert(static_cast<int>(ScheduleOperation::Kind::support_hold) == static_cast<int>(ActionType::support_hold),
               "actions come first and in the vocabulary's order");
 
-// json: an entry of /schedule that its schema accepted. A field that the kind needs and that is missing, or a value that
-// makes no sense, is an Error (exit code 3). file, pointer: where it stands.
+// json: an entry of /schedule that its schema accepted. A field that the kind needs and that is missing, or a value
+// that makes no sense, is an Error (exit code 3). file, pointer: where it stands.
 ScheduleOperation operation_from(const Json& json, const std::string& file, const std::string& pointer);
 Json to_json(const ScheduleOperation& operation);
 

@@ -543,8 +543,8 @@ TEST_CASE("candidate: the projection's mode is the run specification's") {
 }
 
 TEST_CASE("candidate: empty intervals, impossible ratios and rows without Gaussians are refused") {
-  for (ActionType type : {ActionType::vertical_compress, ActionType::side_compress, ActionType::scale,
-                          ActionType::radial_spread}) {
+  for (ActionType type :
+       {ActionType::vertical_compress, ActionType::side_compress, ActionType::scale, ActionType::radial_spread}) {
     Cake cake;
     cake.plan.actions[0].type = type;
     cake.plan.actions[0].magnitude = 0;
