@@ -7,6 +7,7 @@
 #include "base/clock.h"
 #include "base/command_line.h"
 #include "base/log.h"
+#include "bind/schedule.h"
 #include "mpm/simulation.h"
 #include "records/candidate.h"
 #include "records/execution.h"
@@ -105,38 +106,6 @@ std::vector<mpm::Material> bind_materials(const Candidate& candidate, const Stat
           {file, "/rows", "no row \"" + state.row_keys[r] + "\"", "every row that has particles in the state"});
   }
   return materials;
-}
-
-mpm::Schedule bind_schedule(const Candidate& candidate, const RunSpecification& run) {
-  mpm::Schedule schedule;
-  using Kind = ScheduleOperation::Kind;
-  for (const ScheduleOperation& op : candidate.schedule) {
-    switch (op.kind) {
-      case Kind::translation:
-        schedule.actions.push_back(mpm::Translation{op.rows, to_mpm(op.velocity), op.start, op.end});
-        break;
-      case Kind::top_press:
-        schedule.actions.push_back(mpm::TopPress{op.rows, to_mpm(op.velocity), to_mpm(run.placement.up_vector()),
-                                                 op.slab_fraction, op.start, op.end});
-        break;
-      case Kind::impulse:
-        schedule.actions.push_back(
-            mpm::Impulse{op.rows, to_mpm(op.velocity), op.start, op.end - op.start, run.time.substep_dt});
-        break;
-      case Kind::structure_projection:
-        for (int row : op.rows) schedule.projections.push_back({row, op.eta});
-        break;
-      case Kind::interface_retention:
-        for (int row : op.rows) {
-          mpm::InterfaceRetention retention;
-          retention.support = row;
-          retention.rows = op.neighbours;
-          schedule.retentions.push_back(retention);
-        }
-        break;
-    }
-  }
-  return schedule;
 }
 
 mpm::Particles bind_particles(const State& state) {
@@ -257,7 +226,7 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   problem.materials = bind_materials(candidate, state, options.candidate);
   problem.constants = bind_constants(run.profile);
   problem.particles = bind_particles(state);
-  problem.schedule = bind_schedule(candidate, run);
+  problem.schedule = bind::bind_schedule(candidate, run);
   mpm::Timing timing;
   timing.frames = run.time.frames;
   timing.frame_dt = run.time.frame_dt;
@@ -267,6 +236,7 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   solver.threads = common.threads;
   solver.measure_energy = options.energy != "off";
   solver.measure_steps = options.energy == "steps";
+  solver.track_total_F = run.transport.total;
 
   Provenance provenance;
   provenance.tool = "pm-simulate";
@@ -276,22 +246,25 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   for (const std::string& input : {options.scene, options.state, options.candidate}) provenance.add_input(input);
 
   const size_t gaussians = state.gaussian_count();
-  RolloutWriter rollout(options.out, gaussians, provenance);
+  const std::string deformation = run.transport.total ? "total" : "elastic";
+  RolloutWriter rollout(options.out, gaussians, deformation, provenance);
   std::vector<float> position(3 * gaussians), F(9 * gaussians), velocity(3 * gaussians);
   Progress progress("frame", timing.frames);
   const mpm::Result result = mpm::run(problem, timing, solver, [&](const mpm::Frame& frame) {
+    const std::vector<mpm::Mat3d>& transported = run.transport.total ? frame.state.total_F : frame.state.F;
     for (size_t i = 0; i < gaussians; ++i) {
       for (int k = 0; k < 3; ++k) {
         position[3 * i + k] = static_cast<float>(frame.state.x[i][k]);
         velocity[3 * i + k] = static_cast<float>(frame.state.v[i][k]);
-        for (int l = 0; l < 3; ++l) F[9 * i + 3 * k + l] = static_cast<float>(frame.state.F[i][k][l]);
+        for (int l = 0; l < 3; ++l) F[9 * i + 3 * k + l] = static_cast<float>(transported[i][k][l]);
       }
     }
     rollout.append(frame.time, position.data(), F.data(), velocity.data());
     progress.update(frame.index + 1);
   });
   rollout.commit();
-  const ExecutionRecord record = make_record(candidate, problem, result, options, timing.substeps);
+  ExecutionRecord record = make_record(candidate, problem, result, options, timing.substeps);
+  record.deformation = deformation;
   save_execution(fs::path(options.out).replace_extension(".json").string(), record, provenance);
   if (!record.diverged) {
     log_info(fmt::format("{}: {} frames, {} substeps of {} particles, {:.1f} million particle-steps per second",

@@ -104,10 +104,32 @@ Eigen::Vector3d SceneGeometry::axis(DirectionWord word) const {
       return Eigen::Vector3d::UnitZ();
     case DirectionWord::minus_z:
       return -Eigen::Vector3d::UnitZ();
+    case DirectionWord::clockwise:
+    case DirectionWord::counterclockwise:
     case DirectionWord::none:
       break;
   }
   return Eigen::Vector3d::Zero();
+}
+
+Eigen::Vector3d SceneGeometry::turning_axis(DirectionWord word) const {
+  switch (word) {
+    case DirectionWord::left:
+    case DirectionWord::counterclockwise:
+      return up;
+    case DirectionWord::right:
+    case DirectionWord::clockwise:
+      return -up;
+    case DirectionWord::toward:
+      return right;
+    case DirectionWord::away:
+      return -right;
+    case DirectionWord::up:
+    case DirectionWord::down:
+      return Eigen::Vector3d::Zero();
+    default:
+      return axis(word);
+  }
 }
 
 SceneGeometry measure_scene(const Scene& scene, const Inventory& inventory, const std::vector<ViewMasks>& masks) {

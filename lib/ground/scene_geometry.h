@@ -20,7 +20,11 @@ struct SceneGeometry {
   Eigen::Vector3d up, right, toward;  // scene axes, unit, orthogonal; toward points out of the front view's image
   std::map<std::string, Box> boxes;   // by object id and row key; absent when fewer than two views show it
   double solver_per_scene = 0;        // estimate of the map's scale s; 0 when nothing could be measured
+  // Where a word points to; zero for words of rotation.
   Eigen::Vector3d axis(DirectionWord word) const;
+  // The axis, by the right-hand rule, of something that turns that way: "to the left" is counterclockwise from above,
+  // "forward" lets the top come towards the viewer, "+x" is the axis itself; zero where the word says nothing of it.
+  Eigen::Vector3d turning_axis(DirectionWord word) const;
 };
 
 // Axes from placement.up and the front view (the first): right is its camera's right axis made orthogonal to up, so

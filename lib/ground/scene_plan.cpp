@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ground/action_values.h"
 #include "ground/prompt.h"
+#include "ground/proposal.h"
 #include "ground/reference.h"
 #include "ground/scene_inventory.h"
 #include "ground/words.h"
@@ -17,10 +19,6 @@ using Kind = Meaning::Kind;
 
 // Impulses are "capped at four base substeps" (paper, Table "actions").
 constexpr double kImpulseSubsteps = 4;
-// A mover that hits something is driven until its front has gone this share of the target's depth into it.
-constexpr double kContactDepth = 0.25;
-// Shortest driven approach, seconds: less would be a kick.
-constexpr double kShortestApproach = 0.1;
 
 std::string quoted(const NounPhrase& phrase) {
   return "\"" + join(phrase, " ") + "\"";
@@ -45,34 +43,6 @@ class Compiler {
   }
 
  private:
-  // What the words meant, before anything was resolved.
-  static Json proposal_of(const Reading& reading) {
-    Json proposal = {{"agent", "builtin"}, {"events", Json::array()}};
-    for (const Event& event : reading.events) {
-      const Meaning& meaning = event.verb.meaning;
-      Json entry = {{"verb", event.word},
-                    {"meaning", meaning.kind == Kind::action    ? action_name(meaning.type)
-                                : meaning.kind == Kind::gravity ? "gravity"
-                                                                : "outcome"}};
-      const auto add = [&](const char* name, const NounPhrase& phrase) {
-        if (!phrase.empty()) entry[name] = join(phrase, " ");
-      };
-      add("subject", event.subject);
-      add("object", event.object);
-      add("by", event.agent);
-      add("with", event.instrument);
-      add("goal", event.goal);
-      add("toward", event.toward);
-      if (event.strength != 1) entry["strength"] = event.strength;
-      if (event.speed) entry["speed"] = *event.speed;
-      if (event.duration) entry["duration"] = *event.duration;
-      if (event.delay) entry["delay"] = *event.delay;
-      if (event.negated) entry["negated"] = true;
-      proposal["events"].push_back(entry);
-    }
-    return proposal;
-  }
-
   void note(const std::string& text) {
     if (std::find(plan_.corrections.begin(), plan_.corrections.end(), text) == plan_.corrections.end())
       plan_.corrections.push_back(text);
@@ -153,20 +123,54 @@ class Compiler {
     if (is_ground_target(acted_on)) return note_ground(event, acted_on);
     const std::vector<std::string> patients = require_all(acted_on, event);
     const std::string& patient = patients.front();
-    if (!mover.empty() && !same_object(mover, patient)) {
-      // "bends the flower", "twists the lid": only what can be done by running into it.
-      refuse_unbuilt(event, pressed_type(event));
-      return add_collision(event, mover, patient);
-    }
     ActionType type = pressed_type(event);
+    if (!mover.empty() && !same_object(mover, patient)) return compile_pair(event, type, mover, patient);
     const bool wind = !acting.empty() && is_wind(singular(acting.back()));
     if (type == ActionType::translation && wind) type = ActionType::impulse;
-    refuse_unbuilt(event, type);
     if (type == ActionType::translation) {
       if (const std::string goal = obstacle(event.goal, patient); !goal.empty())
         return add_collision(event, patient, goal);
     }
     for (const std::string& part : patients) add_action(event, type, "", part);
+    if (patients.size() == 1) hold_against(event, type, patient);
+  }
+
+  // What one object of the scene does to another.
+  void compile_pair(const Event& event, ActionType type, const std::string& mover, const std::string& patient) {
+    switch (type) {
+      case ActionType::drag_pair:
+        return add_action(event, type, mover, patient);
+      case ActionType::support_hold:
+        note(fmt::format("\"{}\": {} is held, and holds {} by contact", event.word, mover, patient));
+        return add_action(event, type, "", mover);
+      case ActionType::radial_spread:
+      case ActionType::vertical_compress:
+      case ActionType::scale:
+      case ActionType::torque:
+        note(fmt::format("\"{}\" is done to {}; {} itself is not moved", event.word, patient, mover));
+        return add_action(event, type, "", patient);
+      default:
+        return add_collision(event, mover, patient);
+    }
+  }
+
+  // Something that is twisted as a whole has to be held at its other end.
+  void hold_against(const Event& event, ActionType type, const std::string& patient) {
+    const bool twist = event.verb.lemma == "twist" || event.verb.lemma == "wring";
+    if (type != ActionType::torque || !twist || patient.find('/') != std::string::npos) return;
+    PlanAction& torque = plan_.actions.back();
+    torque.slab = true;
+    PlanAction hold = torque;
+    hold.type = ActionType::support_hold;
+    // The slab of a torque is at the upper end of a standing axis, whichever way it turns.
+    const double upwards = torque.direction.dot(geometry_.up);
+    hold.direction = (upwards < -1e-9 ? torque.direction : -torque.direction) + Eigen::Vector3d::Zero();
+    hold.magnitude = 0;
+    hold.role = "support";
+    hold.start = 0;
+    hold.end = run_.time.duration();
+    plan_.actions.push_back(hold);
+    note(fmt::format("\"{}\": one end of {} is turned, the other is held", event.word, patient));
   }
 
   static bool is_ground_word(const NounPhrase& phrase) { return !phrase.empty() && is_ground(singular(phrase.back())); }
@@ -194,13 +198,6 @@ class Compiler {
     return type;
   }
 
-  void refuse_unbuilt(const Event& event, ActionType type) const {
-    if (range_of(type)) return;
-    throw refused(
-        fmt::format("\"{}\", the action {}, whose solver operation is not built yet", event.word, action_name(type)),
-        "what translation, top_press, impulse or gravity can do", "say it with push, press, hit or fall");
-  }
-
   // "falls (onto Y)": gravity does it; falling onto another object of the scene is a driven collision.
   void compile_fall(const Event& event) {
     const NounPhrase& falling = event.passive || event.object.empty() ? event.subject : event.object;
@@ -222,7 +219,6 @@ class Compiler {
   // "the ball rolls into the glass", "the flower sways", "the hammer strikes".
   void compile_own_motion(const Event& event, const std::string& mover) {
     const ActionType type = pressed_type(event);
-    refuse_unbuilt(event, type);
     std::string goal = obstacle(event.goal, mover);
     if (goal.empty() && type != ActionType::translation) goal = obstacle(event.toward, mover);
     if (!goal.empty()) return add_collision(event, mover, goal);
@@ -251,16 +247,25 @@ class Compiler {
     action.impact = type == ActionType::impulse || (!source.empty() && !same_object(source, target));
     action.direction = direction_of(event, action) + Eigen::Vector3d::Zero();  // no negative zeros
     action.magnitude = magnitude_of(event, type);
+    if (type == ActionType::support_hold) action.role = "support";
+    if (type == ActionType::drag_pair && !source.empty()) action.follow = Follow::target;
     set_interval(event, action);
     plan_.actions.push_back(action);
+    if (type == ActionType::side_compress && said_direction(event, geometry_).norm() < 1e-6) {
+      // Squeezed from both sides, each goes half of the way.
+      PlanAction& first = plan_.actions.back();
+      first.magnitude = 0.5 * (1 + first.magnitude);
+      PlanAction second = first;
+      second.direction = -first.direction + Eigen::Vector3d::Zero();
+      plan_.actions.push_back(second);
+    }
     last_moved_ = source.empty() ? target : source;
     mentioned_ = target;
   }
 
   Eigen::Vector3d direction_of(const Event& event, const PlanAction& action) {
-    if (action.type == ActionType::top_press) return -geometry_.up;
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const DirectionWord word : event.directions) sum += geometry_.axis(word);
+    if (const Eigen::Vector3d fixed = own_direction(event, action.type, geometry_); fixed.norm() > 0) return fixed;
+    const Eigen::Vector3d sum = said_direction(event, geometry_);
     if (sum.norm() > 1e-6) return sum.normalized();
     const std::string& moved = action.source.empty() ? action.target : action.source;
     if (!event.directions.empty()) note(fmt::format("the directions of \"{}\" cancel out", event.word));
@@ -289,17 +294,19 @@ class Compiler {
   }
 
   double magnitude_of(const Event& event, ActionType type) {
-    const ActionRange range = *range_of(type);
-    const double wanted = event.speed ? *event.speed : range.magnitude * event.strength;
+    const ActionRange range = range_of(type);
+    const double wanted = wanted_magnitude(event, type);
     const double magnitude = std::min(std::max(wanted, range.min), range.max);
-    if (magnitude != wanted)
-      note(fmt::format("{} of {} m/s brought to {} m/s (bounds {}..{})", action_name(type), wanted, magnitude,
+    if (magnitude != wanted && type != ActionType::support_hold) {
+      const char* unit = magnitude_unit(type);
+      note(fmt::format("{} of {}{} brought to {}{} (bounds {}..{})", action_name(type), wanted, unit, magnitude, unit,
                        range.min, range.max));
+    }
     return magnitude;
   }
 
   void set_interval(const Event& event, PlanAction& action) {
-    const ActionRange range = *range_of(action.type);
+    const ActionRange range = range_of(action.type);
     const double whole = run_.time.duration();
     action.start = event.delay ? *event.delay : std::min(range.start, 0.1 * whole);
     if (event.then && !event.delay && actions_before_ > 0) action.start = plan_.actions[actions_before_ - 1].end;
@@ -313,25 +320,12 @@ class Compiler {
       length = kImpulseSubsteps * run_.time.substep_dt;
     } else if (event.duration) {
       length = *event.duration;
-    } else if (!action.source.empty()) {
-      length = contact_time(action, length);
+    } else if (action.type == ActionType::translation && !action.source.empty()) {
+      length = contact_time(action, geometry_, length);
     }
     action.end = std::min(action.start + std::max(length, 0.0), whole);
     if (event.duration && action.type != ActionType::impulse && action.start + *event.duration > whole)
       note(fmt::format("{} cut at the run's end, {} s", action_name(action.type), whole));
-  }
-
-  // How long the mover is driven: over the free gap and a part of the target's depth; `otherwise` where the masks do
-  // not tell.
-  double contact_time(const PlanAction& action, double otherwise) const {
-    const auto a = geometry_.boxes.find(action.source), b = geometry_.boxes.find(action.target);
-    if (a == geometry_.boxes.end() || b == geometry_.boxes.end() || !(geometry_.solver_per_scene > 0)) return otherwise;
-    const Eigen::Vector3d along = action.direction.cwiseAbs();
-    const double depth = 2 * b->second.half.dot(along);
-    const double apart = (b->second.center - a->second.center).dot(action.direction);
-    const double gap = std::max(0.0, apart - a->second.half.dot(along) - 0.5 * depth);
-    const double way = geometry_.solver_per_scene * (gap + kContactDepth * depth);
-    return std::min(std::max(way / action.magnitude, kShortestApproach), otherwise);
   }
 
   const Inventory& inventory_;

@@ -13,10 +13,9 @@
 namespace physmas::ground {
 
 // Resolves the prompt against the inventory. Directions are unit vectors in scene axes; magnitudes are bounded by the
-// table in vocabulary.h (m/s of solver space); intervals lie within the run's duration. Everything that was defaulted,
+// table in vocabulary.h; intervals lie within the run's duration. Everything that was defaulted,
 // bounded, left to gravity or not understood is said in `corrections`.
-// Errors (exit code 3, field /prompt of `file`): a thing that the inventory does not have or that fits several names,
-// an action whose solver operation is not built yet.
+// Errors (exit code 3, field /prompt of `file`): a thing that the inventory does not have or that fits several names.
 Plan plan_from_prompt(const std::string& prompt, const Inventory& inventory, const SceneGeometry& geometry,
                       const RunSpecification& run, const std::string& file);
 

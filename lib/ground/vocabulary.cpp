@@ -39,8 +39,6 @@ const std::vector<VerbLine>& verb_lines() {
         "ram",
         "swing:swung",
         "carry",
-        "pull",
-        "tug",
         "translate",
         "glide",
         "speed:sped",
@@ -97,10 +95,11 @@ const std::vector<VerbLine>& verb_lines() {
       {{Kind::action, ActionType::radial_spread},
        "",
        {"spread:spread", "melt", "ooze", "expand", "dissolve", "liquefy", "explode", "burst", "smear"}},
-      {{Kind::action, ActionType::vertical_compress}, "", {"compress", "flatten", "shrink:shrank:shrunk", "compact"}},
+      {{Kind::action, ActionType::vertical_compress}, "", {"compress", "flatten", "compact"}},
       {{Kind::action, ActionType::side_compress}, "", {"squeeze", "pinch", "clamp", "grip"}},
-      {{Kind::action, ActionType::drag_pair}, "", {"drag", "tow", "haul"}},
+      {{Kind::action, ActionType::drag_pair}, "", {"drag", "tow", "haul", "pull", "tug"}},
       {{Kind::action, ActionType::scale}, "", {"stretch", "elongate", "extend", "lengthen", "inflate", "enlarge"}},
+      {{Kind::action, ActionType::scale}, "in", {"shrink:shrank:shrunk", "shorten", "contract"}},
       {{Kind::action, ActionType::torque},
        "",
        {"twist", "spin:spun", "rotate", "turn", "twirl", "wring:wrung", "whirl", "swirl", "pivot"}},
@@ -144,18 +143,44 @@ std::optional<Verb> find_verb(const std::string& token) {
 
 DirectionWord find_direction(const std::string& token) {
   static const std::map<std::string, DirectionWord> kWords = {
-      {"up", DirectionWord::up},          {"upward", DirectionWord::up},       {"upwards", DirectionWord::up},
-      {"above", DirectionWord::up},       {"top", DirectionWord::up},          {"down", DirectionWord::down},
-      {"downward", DirectionWord::down},  {"downwards", DirectionWord::down},  {"below", DirectionWord::down},
-      {"beneath", DirectionWord::down},   {"underneath", DirectionWord::down}, {"bottom", DirectionWord::down},
-      {"left", DirectionWord::left},      {"leftward", DirectionWord::left},   {"leftwards", DirectionWord::left},
-      {"right", DirectionWord::right},    {"rightward", DirectionWord::right}, {"rightwards", DirectionWord::right},
-      {"sideways", DirectionWord::right}, {"sideward", DirectionWord::right},  {"horizontally", DirectionWord::right},
-      {"forward", DirectionWord::toward}, {"forwards", DirectionWord::toward}, {"front", DirectionWord::toward},
-      {"back", DirectionWord::away},      {"behind", DirectionWord::away},     {"backward", DirectionWord::away},
-      {"backwards", DirectionWord::away}, {"away", DirectionWord::away},       {"+x", DirectionWord::plus_x},
-      {"-x", DirectionWord::minus_x},     {"+y", DirectionWord::plus_y},       {"-y", DirectionWord::minus_y},
-      {"+z", DirectionWord::plus_z},      {"-z", DirectionWord::minus_z},
+      {"up", DirectionWord::up},
+      {"upward", DirectionWord::up},
+      {"upwards", DirectionWord::up},
+      {"above", DirectionWord::up},
+      {"top", DirectionWord::up},
+      {"down", DirectionWord::down},
+      {"downward", DirectionWord::down},
+      {"downwards", DirectionWord::down},
+      {"below", DirectionWord::down},
+      {"beneath", DirectionWord::down},
+      {"underneath", DirectionWord::down},
+      {"bottom", DirectionWord::down},
+      {"left", DirectionWord::left},
+      {"leftward", DirectionWord::left},
+      {"leftwards", DirectionWord::left},
+      {"right", DirectionWord::right},
+      {"rightward", DirectionWord::right},
+      {"rightwards", DirectionWord::right},
+      {"sideways", DirectionWord::right},
+      {"sideward", DirectionWord::right},
+      {"horizontally", DirectionWord::right},
+      {"forward", DirectionWord::toward},
+      {"forwards", DirectionWord::toward},
+      {"front", DirectionWord::toward},
+      {"back", DirectionWord::away},
+      {"behind", DirectionWord::away},
+      {"backward", DirectionWord::away},
+      {"backwards", DirectionWord::away},
+      {"away", DirectionWord::away},
+      {"+x", DirectionWord::plus_x},
+      {"-x", DirectionWord::minus_x},
+      {"+y", DirectionWord::plus_y},
+      {"-y", DirectionWord::minus_y},
+      {"+z", DirectionWord::plus_z},
+      {"-z", DirectionWord::minus_z},
+      {"clockwise", DirectionWord::clockwise},
+      {"counterclockwise", DirectionWord::counterclockwise},
+      {"anticlockwise", DirectionWord::counterclockwise},
   };
   const auto found = kWords.find(token);
   return found == kWords.end() ? DirectionWord::none : found->second;
@@ -187,6 +212,10 @@ DirectionWord opposite(DirectionWord word) {
       return DirectionWord::minus_z;
     case DirectionWord::minus_z:
       return DirectionWord::plus_z;
+    case DirectionWord::clockwise:
+      return DirectionWord::counterclockwise;
+    case DirectionWord::counterclockwise:
+      return DirectionWord::clockwise;
     case DirectionWord::none:
       break;
   }
@@ -272,16 +301,23 @@ bool is_filler(const std::string& token) {
                         "open",  "over",      "motion", "force", "axis",   "along"});
 }
 
-std::optional<ActionRange> range_of(ActionType type) {
+ActionRange range_of(ActionType type) {
   static constexpr ActionRange kRanges[] = {
-      {ActionType::translation, 0.6, 0.05, 3.0, 0.0, 0.5},
-      {ActionType::top_press, 0.15, 0.02, 0.6, 0.1, 0.6},
-      {ActionType::impulse, 1.5, 0.1, 6.0, 0.1, 0.0},
+      {ActionType::translation, 0.6, 0.05, 3.0, 0.0, 0.5},   {ActionType::top_press, 0.15, 0.02, 0.6, 0.1, 0.6},
+      {ActionType::radial_spread, 0.3, 0.05, 1.5, 0.1, 0.6}, {ActionType::vertical_compress, 0.6, 0.2, 1.0, 0.1, 0.6},
+      {ActionType::side_compress, 0.65, 0.2, 1.0, 0.1, 0.6}, {ActionType::drag_pair, 0.4, 0.05, 2.0, 0.0, 0.5},
+      {ActionType::scale, 1.5, 0.3, 3.0, 0.1, 0.6},          {ActionType::impulse, 1.5, 0.1, 6.0, 0.1, 0.0},
+      {ActionType::torque, 2.0, 0.2, 12.0, 0.1, 0.6},        {ActionType::support_hold, 0.0, 0.0, 0.0, 0.0, 1.0},
   };
-  for (const ActionRange& range : kRanges) {
-    if (range.type == type) return range;
-  }
-  return std::nullopt;
+  return kRanges[static_cast<int>(type)];
+}
+
+bool is_ratio(ActionType type) {
+  return type == ActionType::vertical_compress || type == ActionType::side_compress || type == ActionType::scale;
+}
+
+const char* magnitude_unit(ActionType type) {
+  return is_ratio(type) ? "" : type == ActionType::torque ? " rad/s" : " m/s";
 }
 
 }  // namespace physmas::ground

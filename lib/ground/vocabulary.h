@@ -23,7 +23,7 @@ struct Meaning {
 struct Verb {
   std::string lemma;
   Meaning meaning;
-  // Where the thing goes when the prompt does not say: "up", "down", or empty.
+  // Where the thing goes when the prompt does not say: "up", "down", "in" (a scale that makes smaller), or empty.
   std::string direction;
 };
 
@@ -44,7 +44,9 @@ enum class DirectionWord {
   plus_y,
   minus_y,
   plus_z,
-  minus_z
+  minus_z,
+  clockwise,  // as seen from above
+  counterclockwise
 };
 
 // "down", "leftwards", "forward", "+x", ...; none for other tokens. Whether a word such as "left" means a direction in
@@ -70,16 +72,19 @@ bool is_wind(const std::string& noun);         // wind, breeze, gust: its push i
 bool is_ground(const std::string& noun);       // floor, table: what the run's colliders stand for
 bool is_filler(const std::string& token);      // words that carry nothing for the plan
 
-// Bounds and defaults of the actions that the compiler can emit (m/s of solver space, seconds, fractions of the run's
-// duration). The paper bounds magnitudes without printing the bounds: these are ours (docs/method-lifting.md).
+// Bounds and defaults of the actions (seconds, fractions of the run's duration). Magnitudes are m/s of solver space,
+// rad/s of a torque, and final over rest extent of compressions and scale. The paper bounds magnitudes without printing
+// the bounds: these are ours (docs/method-lifting.md).
 struct ActionRange {
   ActionType type;
   double magnitude, min, max;
   double start;         // s
   double end_fraction;  // of the run's duration
 };
-// Empty for the actions whose solver operation is not built yet.
-std::optional<ActionRange> range_of(ActionType type);
+ActionRange range_of(ActionType type);
+// Whether the magnitude is a ratio of extents, so that a strength scales its distance from 1.
+bool is_ratio(ActionType type);
+const char* magnitude_unit(ActionType type);  // "m/s", "rad/s", or empty
 
 }  // namespace physmas::ground
 

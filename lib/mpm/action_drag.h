@@ -11,8 +11,8 @@
 
 namespace physmas::mpm {
 
-// During [start, end) particles of `rows` are drawn along with `velocity`: those that lie within `distance` of a particle
-// of `pullers` at rest (interface), or all of them (whole target).
+// During [start, end) particles of `rows` are drawn along with `velocity`: those that lie within `distance` of a
+// particle of `pullers` at rest (interface), or all of them (whole target).
 struct DragFollow {
   std::vector<int> rows, pullers;
   Vec3d velocity = {0, 0, 0};                                 // m/s

@@ -14,11 +14,11 @@ namespace physmas::mpm {
 // `speed_limit`. Motion along the axis is free.
 struct Torque {
   std::vector<int> rows;
-  Vec3d axis = {0, 0, 1};    // towards the slab's end, any length > 0
-  double rate = 2;           // rad/s, counterclockwise as seen from that end
-  double slab_fraction = 1;  // thickness over the rows' rest extent along `axis`; 1: all of the rows
-  double speed_limit = 1.5;  // m/s, > 0
-  double blend_time = 2e-3;  // s, > 0, as in action_spread.h
+  Vec3d axis = {0, 0, 1};     // towards the slab's end, any length > 0
+  double rate = 2;            // rad/s, counterclockwise as seen from that end
+  double slab_fraction = 1;   // thickness over the rows' rest extent along `axis`; 1: all of the rows
+  double speed_limit = 1.5;   // m/s, > 0
+  double blend_time = 2e-3;   // s, > 0, as in action_spread.h
   double start = 0, end = 0;  // s
 };
 

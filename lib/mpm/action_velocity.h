@@ -17,14 +17,14 @@ struct Translation {
   double start = 0, end = 0;   // s
 };
 
-// The slab of the rows at one end of them at rest moves with `velocity` during [start, end). A top_press has `towards` up
-// and a velocity against it; a support_hold has velocity 0.
+// The slab of the rows at one end of them at rest moves with `velocity` during [start, end). A top_press has `towards`
+// up and a velocity against it; a support_hold has velocity 0.
 struct SlabMotion {
   std::vector<int> rows;
-  Vec3d velocity = {0, 0, 0};    // m/s
-  Vec3d towards = {0, 0, 1};     // the end, any length > 0
-  double slab_fraction = 0.15;   // slab thickness over the rows' rest extent along `towards`, 0..1
-  double start = 0, end = 0;     // s
+  Vec3d velocity = {0, 0, 0};   // m/s
+  Vec3d towards = {0, 0, 1};    // the end, any length > 0
+  double slab_fraction = 0.15;  // slab thickness over the rows' rest extent along `towards`, 0..1
+  double start = 0, end = 0;    // s
 };
 using TopPress = SlabMotion;
 

@@ -1,4 +1,5 @@
-// Applies the controls of a substep to one register of particles. Called for groups of lanes with a controlled one only.
+// Applies the controls of a substep to one register of particles. Called for groups of lanes with a controlled one
+// only.
 #ifndef PHYSMAS_MPM_APPLY_CONTROL_H
 #define PHYSMAS_MPM_APPLY_CONTROL_H
 
@@ -126,9 +127,9 @@ double blend_controls(const LaneControls<T>& c, const Vec3<Lanes<T>>& x, const L
 // What enforced motion and position increments do to the particles of a register after G2P.
 template <class V>
 struct ForcedMotion {
-  Vec3<V> increment;  // m/s, to be added to v where positions advance
+  Vec3<V> increment;           // m/s, to be added to v where positions advance
   Mat3<V> increment_gradient;  // 1/s, to be added to C where F advances
-  Mat3<V> forced;  // 1/s, the whole difference between the gradient that F advances with and G2P's
+  Mat3<V> forced;              // 1/s, the whole difference between the gradient that F advances with and G2P's
 };
 
 // After G2P: v and C become the field's where the motion is enforced; what else the place moves by is returned. `work`
@@ -153,8 +154,7 @@ ForcedMotion<Lanes<T>> force_motion(const LaneControls<T>& c, const Vec3<Lanes<T
   const V size = dot(out.increment, out.increment);
   const V scale = select(size > bound * bound, bound / square_root(size), V(1));
   out.increment = scale * out.increment;
-  out.increment_gradient =
-      scale * (blended(C, field.gradient, c.axis, c.position_along, c.position_across) - C);
+  out.increment_gradient = scale * (blended(C, field.gradient, c.axis, c.position_along, c.position_across) - C);
   out.forced = C + out.increment_gradient - free;
   return out;
 }

@@ -11,8 +11,8 @@ namespace physmas::mpm {
 
 // Every action compiles to this: an affine velocity field, how strongly particles follow it, and a force.
 //
-// The field is v*(x) = velocity + gradient (x − center), scaled down to `speed_limit` where it is faster. Weights act on
-// the difference between the field and the particle's own motion, with one value along `axis` and one across it:
+// The field is v*(x) = velocity + gradient (x − center), scaled down to `speed_limit` where it is faster. Weights act
+// on the difference between the field and the particle's own motion, with one value along `axis` and one across it:
 //
 // - `blend` is the share by which velocity and affine state move to the field before P2G. Where it is 1 the motion is
 //   enforced: G2P is overruled as well, so the particle moves with exactly the field, and deforms with its gradient.
@@ -24,9 +24,9 @@ struct Control {
   struct Weight {
     double along = 0, across = 0;  // 0..1
   };
-  Vec3d velocity = {0, 0, 0};  // m/s at `center`
-  Mat3d gradient = {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}};  // 1/s
-  Vec3d center = {0, 0, 0};                              // m
+  Vec3d velocity = {0, 0, 0};                                    // m/s at `center`
+  Mat3d gradient = {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}};          // 1/s
+  Vec3d center = {0, 0, 0};                                      // m
   double speed_limit = std::numeric_limits<double>::infinity();  // m/s; finite wherever `gradient` is not zero
   Vec3d axis = {0, 0, 1};                                        // unit
   Weight blend, position;

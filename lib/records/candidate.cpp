@@ -1,59 +1,8 @@
 #include "records/candidate.h"
 
-#include <array>
 #include <set>
 
 namespace physmas {
-namespace {
-
-using Kind = ScheduleOperation::Kind;
-constexpr std::array<const char*, 5> kOperationNames = {"translation", "top_press", "impulse", "structure_projection",
-                                                        "interface_retention"};
-
-Json operation_json(const ScheduleOperation& op) {
-  Json json;
-  json["operation"] = kOperationNames[static_cast<int>(op.kind)];
-  json["rows"] = op.rows;
-  if (op.is_action()) {
-    json["velocity"] = to_json(op.velocity);
-    json["start"] = op.start;
-    json["end"] = op.end;
-    json["start_step"] = op.start_step;
-    json["end_step"] = op.end_step;
-  }
-  if (op.kind == Kind::top_press) json["slab_fraction"] = op.slab_fraction;
-  if (op.kind == Kind::structure_projection) json["eta"] = op.eta;
-  if (op.kind == Kind::interface_retention) json["neighbours"] = op.neighbours;
-  return json;
-}
-
-ScheduleOperation operation_from(const Json& json, const std::string& file, const std::string& pointer) {
-  ScheduleOperation op;
-  const std::string name = json.at("operation").get<std::string>();
-  for (size_t i = 0; i < kOperationNames.size(); ++i) {
-    if (name == kOperationNames[i]) op.kind = static_cast<Kind>(i);
-  }
-  op.rows = json.at("rows").get<std::vector<int>>();
-  const auto need = [&](const char* field) -> const Json& {
-    if (!json.contains(field))
-      throw invalid_field(file, pointer, json, std::string("the field ") + field + " of " + name);
-    return json.at(field);
-  };
-  if (op.is_action()) {
-    op.velocity = vector3_from(need("velocity"));
-    op.start = need("start").get<double>();
-    op.end = need("end").get<double>();
-    op.start_step = need("start_step").get<int>();
-    op.end_step = need("end_step").get<int>();
-    if (op.end < op.start) throw invalid_field(file, pointer + "/end", op.end, "a time at or after /start");
-  }
-  if (op.kind == Kind::top_press) op.slab_fraction = need("slab_fraction").get<double>();
-  if (op.kind == Kind::structure_projection) op.eta = need("eta").get<double>();
-  if (op.kind == Kind::interface_retention) op.neighbours = need("neighbours").get<std::vector<int>>();
-  return op;
-}
-
-}  // namespace
 
 Candidate load_candidate(const std::string& path) {
   const Json document = load_record(path, "candidate");
@@ -136,7 +85,7 @@ void save_candidate(const std::string& path, const Candidate& candidate, const P
   for (const auto& [key, eta] : candidate.projection) json["controls"]["projection"][key] = eta;
   json["controls"]["retention"] = candidate.retention;
   json["schedule"] = Json::array();
-  for (const ScheduleOperation& op : candidate.schedule) json["schedule"].push_back(operation_json(op));
+  for (const ScheduleOperation& op : candidate.schedule) json["schedule"].push_back(to_json(op));
   const TimestepResult& t = candidate.timestep;
   json["timestep"] = {{"rule", "paper"},        {"c_max", t.c_max}, {"c_ref", t.c_ref},        {"target", t.target},
                       {"substeps", t.substeps}, {"dt", t.dt},       {"capped_by", t.capped_by}};

@@ -8,6 +8,7 @@
 
 #include "records/json.h"
 #include "records/labels.h"
+#include "records/schedule_operation.h"
 
 namespace physmas {
 
@@ -19,20 +20,6 @@ struct CandidateRow {
   double E = 0, nu = 0, rho = 0;
   int label = 0;  // index into kLabels
   bool residual = false;
-};
-
-// One compiled operation of the schedule Gamma.
-struct ScheduleOperation {
-  enum class Kind : int { translation = 0, top_press, impulse, structure_projection, interface_retention };
-  Kind kind = Kind::translation;
-  std::vector<int> rows;                               // inventory row indices
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // enforced, or the change an impulse gives; solver space, m/s
-  double start = 0, end = 0;                           // seconds, [start, end)
-  int start_step = 0, end_step = 0;                    // substeps, [start, end)
-  double slab_fraction = 0;                            // top_press
-  double eta = 0;                                      // structure_projection
-  std::vector<int> neighbours;                         // interface_retention: rows that may be bonded
-  bool is_action() const { return kind < Kind::structure_projection; }
 };
 
 // Result of the heterogeneous step-size rule (paper, Eq. supp-adaptivedt).

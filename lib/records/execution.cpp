@@ -43,6 +43,7 @@ ExecutionRecord load_execution(const std::string& path) {
   record.particles = document.value("particles", 0L);
   record.grid = document.value("grid", Json::object());
   record.precision = document.value("precision", "float");
+  record.deformation = document.value("deformation", "elastic");
   record.omitted = omissions_from(document);
   record.runtime = document.at("runtime");
   return record;
@@ -80,6 +81,7 @@ void save_execution(const std::string& path, const ExecutionRecord& record, cons
   json["particles"] = record.particles;
   json["grid"] = record.grid;
   json["precision"] = record.precision;
+  json["deformation"] = record.deformation;
   json["omitted"] = to_json(record.omitted);
   json["runtime"] = record.runtime;
   save_record(path, "execution", provenance, json);

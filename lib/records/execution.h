@@ -34,6 +34,7 @@ struct ExecutionRecord {
   long particles = 0;
   Json grid = Json::object();
   std::string precision = "float";
+  std::string deformation = "elastic";  // what the rollout's F is: elastic or total
   std::vector<Omission> omitted;
   Json runtime = Json::object();  // seconds by phase, particle-steps per second, peak memory
 };

@@ -12,6 +12,13 @@ ActionType action_from(const std::string& name) {
 
 }  // namespace
 
+Follow follow_from(const std::string& name) {
+  for (size_t i = 0; i < kFollowNames.size(); ++i) {
+    if (name == kFollowNames[i]) return static_cast<Follow>(i);
+  }
+  throw internal_error("a follow flag that the schema should have refused: " + name);
+}
+
 std::vector<int> resolve_rows(const Inventory& inventory, const std::string& reference) {
   std::vector<int> rows;
   for (size_t r = 0; r < inventory.rows.size(); ++r) {
@@ -38,6 +45,8 @@ Plan load_plan(const std::string& path, const Inventory& inventory) {
     action.end = json.at("end").get<double>();
     action.role = json.at("role").get<std::string>();
     action.impact = json.at("impact").get<bool>();
+    action.slab = json.value("region", "whole") == "slab";
+    action.follow = follow_from(json.value("follow", "none"));
     if (action.end < action.start) throw invalid_field(path, pointer + "/end", action.end, "a time at or after /start");
     if (std::abs(action.direction.norm() - 1) > 1e-6)
       throw invalid_field(path, pointer + "/direction", json.at("direction"), "a unit vector");
@@ -71,6 +80,8 @@ void save_plan(const std::string& path, const Plan& plan, const Provenance& prov
     entry["end"] = action.end;
     entry["role"] = action.role;
     entry["impact"] = action.impact;
+    if (action.slab) entry["region"] = "slab";
+    if (action.follow != Follow::none) entry["follow"] = kFollowNames[static_cast<int>(action.follow)];
     json["actions"].push_back(entry);
   }
   json["proposal"] = plan.proposal;

@@ -32,6 +32,12 @@ inline const char* action_name(ActionType type) {
   return kActionNames[static_cast<int>(type)];
 }
 
+// Which particles of a target follow the puller of a drag_pair: none, those near it at rest, or all.
+enum class Follow : int { none = 0, interface, target };
+inline constexpr std::array<const char*, 3> kFollowNames = {"none", "interface", "target"};
+// name: one of kFollowNames.
+Follow follow_from(const std::string& name);
+
 struct PlanAction {
   ActionType type = ActionType::translation;
   std::string source;  // object id or row key that is moved; empty where the target itself is
@@ -40,7 +46,9 @@ struct PlanAction {
   double magnitude = 0;                                 // see schemas/plan.json
   double start = 0, end = 0;                            // seconds, [start, end)
   std::string role = "target";
-  bool impact = false;  // the action specifies an impact (readings, "Candidates")
+  bool impact = false;           // the action specifies an impact (readings, "Candidates")
+  bool slab = false;             // torque, support_hold: acts on the slab at the end that `direction` points to
+  Follow follow = Follow::none;  // drag_pair
 };
 
 struct Plan {

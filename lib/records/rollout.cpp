@@ -6,10 +6,12 @@
 
 namespace physmas {
 
-RolloutWriter::RolloutWriter(const std::string& path, uint64_t gaussian_count, const Provenance& provenance)
+RolloutWriter::RolloutWriter(const std::string& path, uint64_t gaussian_count, const std::string& deformation,
+                             const Provenance& provenance)
     : file_(path, "rollout", provenance) {
   file_.create_series("/frames/position", {gaussian_count, 3});
   file_.create_series("/frames/F", {gaussian_count, 9});
+  file_.write_text_attribute("/frames/F", "deformation", deformation);
   file_.create_series("/frames/velocity", {gaussian_count, 3});
 }
 

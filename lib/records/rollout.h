@@ -13,7 +13,9 @@ namespace physmas {
 // Frames are written one by one; frame 0 is the rest frame. All values in solver space.
 class RolloutWriter {
  public:
-  RolloutWriter(const std::string& path, uint64_t gaussian_count, const Provenance& provenance);
+  // deformation: what F is, "elastic" (after the return map) or "total".
+  RolloutWriter(const std::string& path, uint64_t gaussian_count, const std::string& deformation,
+                const Provenance& provenance);
   // position, velocity: [N_G, 3]; F: [N_G, 9], the deformation gradient by rows; time in seconds.
   void append(double time, const float* position, const float* F, const float* velocity);
   void commit();

@@ -141,6 +141,9 @@ RunSpecification run_specification_from(const Json& json, const std::string& fil
   read(profile, "snow_k", run.profile.snow_k);
   read(profile, "plasticine_k", run.profile.plasticine_k);
 
+  run.projection.rigid = section("projection").value("mode", "literal") == "rigid";
+  run.transport.total = section("transport").value("deformation", "elastic") == "total";
+
   const Json& screening = section("screening");
   read(screening, "initial", run.screening.initial);
   read(screening, "rounds", run.screening.rounds);
@@ -211,6 +214,8 @@ Json to_json(const RunSpecification& run) {
                      {"sand_k", run.profile.sand_k},
                      {"snow_k", run.profile.snow_k},
                      {"plasticine_k", run.profile.plasticine_k}};
+  json["projection"] = {{"mode", run.projection.rigid ? "rigid" : "literal"}};
+  json["transport"] = {{"deformation", run.transport.total ? "total" : "elastic"}};
   json["screening"] = {{"initial", run.screening.initial},
                        {"rounds", run.screening.rounds},
                        {"repairs", run.screening.repairs},

@@ -73,6 +73,14 @@ struct RunSpecification {
     double sand_k = 0, snow_k = 1000, plasticine_k = 5000;
   } profile;
 
+  struct Projection {
+    bool rigid = false;  // structure projection turns with the row; false: the paper's, which un-rotates a support
+  } projection;
+
+  struct Transport {
+    bool total = false;  // Gaussians are carried by the total deformation; false: by the elastic one, as the paper does
+  } transport;
+
   struct Screening {
     int initial = 6;
     int rounds = 3;

@@ -39,7 +39,8 @@ const std::vector<SliceContent>& slice_contents() {
        false,
        false,
        false,
-       {"/grid", "/walls", "/time", "/placement", "/screening/initial", "/screening/rounds", "/screening/repairs"}},
+       {"/grid", "/walls", "/time", "/placement", "/projection", "/screening/initial", "/screening/rounds",
+        "/screening/repairs"}},
       {"simulate",
        false,
        false,
@@ -47,7 +48,7 @@ const std::vector<SliceContent>& slice_contents() {
        false,
        false,
        false,
-       {"/grid", "/placement", "/time", "/gravity", "/colliders", "/walls", "/profile"}},
+       {"/grid", "/placement", "/time", "/gravity", "/colliders", "/walls", "/profile", "/transport"}},
       {"render", false, true, false, false, true, false, {"/time", "/render", "/screening/dark_luminance"}},
       {"screen", false, false, false, false, false, false, {"/time/frames", "/screening"}},
   };

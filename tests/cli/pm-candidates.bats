@@ -79,9 +79,16 @@ setup() {
   [ ! -e candidates ]
 }
 
-@test "pm-candidates: actions that are not built yet" {
-  sed -i 's/"type": "impulse"/"type": "drag_pair"/' plan.json
-  fails_with 3 candidates -- plan.json /actions/0/type drag_pair "translation, top_press or impulse"
+@test "pm-candidates: every action of the vocabulary compiles, impossible ratios are refused" {
+  material
+  for action in translation top_press radial_spread vertical_compress side_compress drag_pair scale torque support_hold; do
+    sed "s/\"type\": \"impulse\"/\"type\": \"$action\"/; s/\"magnitude\": 2.0/\"magnitude\": 0.8/" "$data/plan.json" >plan.json
+    candidates
+    grep -q "\"operation\": \"$action\"" candidates/posterior.json
+  done
+  rm -r candidates
+  sed 's/"type": "impulse"/"type": "side_compress"/' "$data/plan.json" >plan.json
+  fails_with 3 candidates -- plan.json /actions/0/magnitude 2 "at most 1"
   [ ! -e candidates ]
 }
 

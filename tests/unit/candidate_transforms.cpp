@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "candidate/build.h"
+#include "candidate/compile_action.h"
 #include "candidate/predicates.h"
 #include "candidate/schedule.h"
 #include "candidate/timestep.h"
@@ -458,18 +459,101 @@ TEST_CASE("candidate: schedule") {
   CHECK(one[0].end_step == one[0].start_step + 1);
 }
 
-TEST_CASE("candidate: actions that are not built, empty intervals and rows without Gaussians are refused") {
-  for (ActionType type : {ActionType::radial_spread, ActionType::vertical_compress, ActionType::side_compress,
-                          ActionType::drag_pair, ActionType::scale, ActionType::torque, ActionType::support_hold}) {
+TEST_CASE("candidate: every action compiles to its region, direction and numbers") {
+  Cake cake;
+  PlanAction action = cake.plan.actions[0];
+  action.impact = false;
+  action.magnitude = 0.5;
+  action.direction = {1, 0, 0};
+  action.start = 0.1, action.end = 0.9;
+  const auto compiled = [&](ActionType type) {
+    action.type = type;
+    return compile_action(cake.context(), action, "plan.json", "/actions/0");
+  };
+  const std::vector<int> all = {0, 1, 2, 3, 4}, deformable = {1, 2, 3, 4}, support = {0};
+  for (int i = 0; i < kActionCount; ++i) {
+    const ScheduleOperation op = compiled(static_cast<ActionType>(i));
+    CAPTURE(action_name(action.type));
+    CHECK(static_cast<int>(op.kind) == i);
+    CHECK(op.start == 0.1);
+    CHECK(op.end == (action.type == ActionType::impulse ? Approx(0.1 + 8e-4) : Approx(0.9)));
+    // Written and read again it is the same operation.
+    Json json = to_json(op);
+    CHECK(to_json(operation_from(json, "c.json", "/schedule/0")) == json);
+    json.erase("start");
+    CHECK_THROWS_AS(operation_from(json, "c.json", "/schedule/0"), Error);
+  }
+  CHECK(compiled(ActionType::radial_spread).rows == deformable);
+  CHECK(compiled(ActionType::radial_spread).speed_limit == 0.5);
+  CHECK(compiled(ActionType::vertical_compress).rows == deformable);
+  CHECK(compiled(ActionType::vertical_compress).ratio == 0.5);
+  CHECK(compiled(ActionType::side_compress).rows == all);
+  CHECK(compiled(ActionType::side_compress).direction == Eigen::Vector3d(1, 0, 0));
+  CHECK(compiled(ActionType::scale).slab_fraction == 0.2);
+  const ScheduleOperation own_end = compiled(ActionType::drag_pair);
+  CHECK(own_end.velocity == Eigen::Vector3d(0.5, 0, 0));
+  CHECK(own_end.slab_fraction == 0.2);
+  CHECK(own_end.neighbours.empty());
+  action.source = "cake/plate";
+  action.target = cake.inventory.rows[2].key();
+  action.follow = Follow::interface;
+  const ScheduleOperation pulled = compiled(ActionType::drag_pair);
+  CHECK(pulled.rows == support);
+  CHECK(pulled.slab_fraction == 1);
+  CHECK(pulled.neighbours == std::vector<int>{2});
+  CHECK(pulled.distance == 0.045);
+  action.source = "";
+  action.target = "cake";
+  // A torque turns all of the target, or the slab at its upper end, whichever way it turns.
+  action.direction = {0, 0, -1};
+  action.slab = true;
+  const ScheduleOperation torque = compiled(ActionType::torque);
+  CHECK(torque.direction == Eigen::Vector3d(0, 0, 1));
+  CHECK(torque.rate == -0.5);
+  CHECK(torque.slab_fraction == 0.2);
+  CHECK(compiled(ActionType::support_hold).slab_fraction == 0.2);
+  action.slab = false;
+  CHECK(compiled(ActionType::torque).slab_fraction == 1);
+  // A hold takes the supports of an object, all of a row that is named, else the slab at the given end.
+  CHECK(compiled(ActionType::support_hold).rows == support);
+  CHECK(compiled(ActionType::support_hold).slab_fraction == 1);
+  action.target = "cake/sponge";
+  CHECK(compiled(ActionType::support_hold).rows == std::vector<int>{1});
+  CHECK(compiled(ActionType::support_hold).slab_fraction == 1);
+  cake.inventory.rows[0].object = "tray";
+  action.target = "cake";
+  CHECK(compiled(ActionType::support_hold).rows == deformable);
+  CHECK(compiled(ActionType::support_hold).slab_fraction == 0.2);
+}
+
+TEST_CASE("candidate: the projection's mode is the run specification's") {
+  Cake cake;
+  TimestepResult timestep;
+  timestep.dt = 1e-4;
+  std::vector<Omission> omitted;
+  for (const bool rigid : {false, true}) {
+    cake.run.projection.rigid = rigid;
+    for (const ScheduleOperation& op :
+         compile_schedule(cake.context(), cake.made("hard-support-bonded"), timestep, "plan.json", omitted)) {
+      if (op.kind != ScheduleOperation::Kind::structure_projection) continue;
+      CHECK(op.rigid == rigid);
+      CHECK(to_json(op)["mode"] == (rigid ? "rigid" : "literal"));
+    }
+  }
+}
+
+TEST_CASE("candidate: empty intervals, impossible ratios and rows without Gaussians are refused") {
+  for (ActionType type :
+       {ActionType::vertical_compress, ActionType::side_compress, ActionType::scale, ActionType::radial_spread}) {
     Cake cake;
     cake.plan.actions[0].type = type;
+    cake.plan.actions[0].magnitude = 0;
     try {
       build_initial(cake.context(), "plan.json");
       FAIL("accepted");
     } catch (const Error& e) {
       CHECK(e.code() == ExitCode::invalid_input);
-      CHECK(std::string(e.what()).find(action_name(type)) != std::string::npos);
-      CHECK(std::string(e.what()).find("translation, top_press or impulse") != std::string::npos);
+      CHECK(std::string(e.what()).find("/actions/0/magnitude") != std::string::npos);
     }
   }
   Cake cake;

@@ -146,19 +146,72 @@ TEST_CASE("ground: prompts and what they compile to") {
   }
 }
 
-TEST_CASE("ground: what cannot be done yet, or not be found, is refused by name") {
-  const std::vector<std::pair<std::string, std::string>> kTable = {{"twist the ball", "torque"},
-                                                                   {"squeeze the cake", "side_compress"},
-                                                                   {"stretch the ball", "scale"},
-                                                                   {"drag the ball to the left", "drag_pair"},
-                                                                   {"hold the cake", "support_hold"},
-                                                                   {"the cake melts", "radial_spread"},
-                                                                   {"compress the cake", "vertical_compress"},
-                                                                   {"press the cake from the left", "side_compress"}};
-  for (const auto& [prompt, action] : kTable) {
+TEST_CASE("ground: every action of the vocabulary has words") {
+  const std::vector<std::pair<std::string, std::string>> kTable = {
+      {"twist the ball", "torque >ball up; support_hold >ball down"},
+      {"twist the seed head of the sunflower", "torque >sunflower/head up"},
+      {"the ball spins to the right", "torque >ball down"},
+      {"spin the ball clockwise", "torque >ball down"},
+      {"rotate the ball counterclockwise", "torque >ball up"},
+      {"the ball rotates forward", "torque >ball right"},
+      {"squeeze the cake", "side_compress >cake right; side_compress >cake left"},
+      {"press the cake from the left", "side_compress >cake right"},
+      {"squash the cake sideways", "side_compress >cake right"},
+      {"stretch the ball", "scale >ball right"},
+      {"the ball stretches upwards", "scale >ball up"},
+      {"the ball shrinks", "scale >ball right"},
+      {"drag the ball to the left", "drag_pair >ball left"},
+      {"pull the ball up", "drag_pair >ball up"},
+      {"the hammer drags the cake to the left", "drag_pair hammer>cake left*"},
+      {"hold the cake", "support_hold >cake down"},
+      {"the glass holds the ball", "support_hold >drink down"},
+      {"hold the pot and twist the flower petals", "support_hold >sunflower/pot down; torque >sunflower/petals up"},
+      {"the cake melts", "radial_spread >cake up"},
+      {"compress the cake", "vertical_compress >cake down"},
+      {"the hammer twists the cake", "torque >cake up"},
+      {"the hammer squeezes the cake", "translation hammer>cake down*"}};
+  for (const auto& [prompt, expected] : kTable) {
     CAPTURE(prompt);
-    CHECK(refusal(prompt).find("action " + action) != std::string::npos);
+    std::string found;
+    try {
+      found = summary(plan(prompt));
+    } catch (const Error& e) {
+      found = e.what();
+    }
+    CHECK(found == expected);
   }
+  const Plan twist = plan("twist the ball");
+  CHECK(twist.actions[0].slab);
+  CHECK(twist.actions[1].slab);
+  CHECK(twist.actions[1].role == "support");
+  CHECK(twist.actions[1].end == doctest::Approx(RunSpecification().time.duration()));
+  CHECK_FALSE(plan("spin the ball").actions[0].slab);
+  CHECK(plan("the hammer drags the cake to the left").actions[0].follow == Follow::target);
+  CHECK(plan("drag the ball to the left").actions[0].follow == Follow::none);
+}
+
+TEST_CASE("ground: strengths of ratios scale the change, and everything stays within its bounds") {
+  CHECK(plan("compress the cake").actions[0].magnitude == doctest::Approx(0.6));
+  CHECK(plan("gently compress the cake").actions[0].magnitude == doctest::Approx(0.8));
+  CHECK(plan("compress the cake violently").actions[0].magnitude == doctest::Approx(0.2));
+  CHECK(plan("stretch the ball").actions[0].magnitude == doctest::Approx(1.5));
+  CHECK(plan("the ball shrinks").actions[0].magnitude == doctest::Approx(1 / 1.5));
+  CHECK(plan("stretch the ball hard").actions[0].magnitude == doctest::Approx(2));
+  CHECK(plan("squeeze the cake").actions[0].magnitude == doctest::Approx(0.825));  // half of the way from each side
+  CHECK(plan("press the cake from the left").actions[0].magnitude == doctest::Approx(0.65));
+  CHECK(plan("spin the ball very hard").actions[0].magnitude == doctest::Approx(8));
+  CHECK(plan("spin the ball violently and very fast").actions[0].magnitude <= 12);
+  CHECK(plan("hold the ball").actions[0].magnitude == 0);
+  CHECK(plan("hold the ball").corrections.empty());
+  for (int i = 0; i < kActionCount; ++i) {
+    const ActionRange range = range_of(static_cast<ActionType>(i));
+    CHECK(static_cast<int>(range.type) == i);
+    CHECK(range.min <= range.magnitude);
+    CHECK(range.magnitude <= range.max);
+  }
+}
+
+TEST_CASE("ground: what cannot be found is refused by name") {
   const std::string missing = refusal("push the piano");
   CHECK(missing.find("\"piano\"") != std::string::npos);
   CHECK(missing.find("cake/sponge") != std::string::npos);

@@ -124,7 +124,8 @@ TEST_CASE("mpm actions: scale brings two slabs to the ratio, bounded by the spee
   for (const double ratio : {1.4, 0.7}) {
     Problem p = cube();
     const double end = 0.2;
-    for (const double side : {1.0, -1.0}) p.schedule.actions.push_back(ScaleSlab{{0}, {side, 0, 0}, ratio, 0.2, 1, 0, end});
+    for (const double side : {1.0, -1.0})
+      p.schedule.actions.push_back(ScaleSlab{{0}, {side, 0, 0}, ratio, 0.2, 1, 0, end});
     const Outcome out = simulate(p, {6, 0.04, 160});
     REQUIRE(out.result.status == Status::stable);
     const double before = spread(rest_of(p), 0);
@@ -347,8 +348,7 @@ TEST_CASE("mpm actions: the energy check does not fire on strong actions, in eit
   // A cushion flattened to a third within two frames springs back with more energy than any fall could give.
   for (const Precision precision : {Precision::full, Precision::single}) {
     Problem p = cube({Branch::jelly, 2e5, 0.3, 500});
-    p.schedule.actions = {VerticalCompress{{0}, kUp, 0.33, 4, 0, 0.08},
-                          RadialSpread{{0}, kUp, 1, 2e-3, 0.5, 0.1, 0.14},
+    p.schedule.actions = {VerticalCompress{{0}, kUp, 0.33, 4, 0, 0.08}, RadialSpread{{0}, kUp, 1, 2e-3, 0.5, 0.1, 0.14},
                           Torque{{0}, kUp, 9, 1, 2, 2e-3, 0.14, 0.2}};
     const Outcome out = simulate(p, {8, 0.04, 400}, options(precision));
     CHECK(out.result.status == Status::stable);

@@ -136,7 +136,7 @@ TEST_CASE("mpm rigid projection: a tilted rod topples and keeps its shape; liter
   // A thin rigid rod about its foot, θ'' = 3g/(2L) sin θ, is at 1.17 then; the foot is broad and sticks.
   CHECK(rigid > 0.8);
   CHECK(rigid < 1.2);
-  CHECK(strain < 1e-9);          // frames are handed out after the projection
+  CHECK(strain < 1e-9);             // frames are handed out after the projection
   CHECK(std::fabs(literal) < 0.2);  // every frame turns it back to where it began
   CHECK(literal_strain < 1e-9);
 }

@@ -116,7 +116,7 @@ TEST_CASE("hdf5: another record, another type, another shape are refused by name
   CHECK(message_of([&] { RolloutReader(folder / "r.h5", 3); }).find("/frames/time: found another element type") !=
         std::string::npos);
   {
-    RolloutWriter out(folder / "r.h5", 2, test_provenance());
+    RolloutWriter out(folder / "r.h5", 2, "elastic", test_provenance());
     const std::vector<float> x(6, 1), F(18, 0), v(6, 0);
     out.append(0, x.data(), F.data(), v.data());
     out.append(0.04, x.data(), F.data(), v.data());

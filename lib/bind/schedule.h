@@ -1,0 +1,16 @@
+// From a candidate's schedule Gamma to the solver's actions and projections.
+#ifndef PHYSMAS_BIND_SCHEDULE_H
+#define PHYSMAS_BIND_SCHEDULE_H
+
+#include "mpm/schedule.h"
+#include "records/candidate.h"
+#include "scene/run_specification.h"
+
+namespace physmas::bind {
+
+// Operations in their order. A scale becomes two slabs, a drag_pair its puller and, when something follows, a follower.
+mpm::Schedule bind_schedule(const Candidate& candidate, const RunSpecification& run);
+
+}  // namespace physmas::bind
+
+#endif

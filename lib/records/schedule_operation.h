@@ -1,0 +1,61 @@
+// One compiled operation of a candidate's schedule Gamma.
+#ifndef PHYSMAS_RECORDS_SCHEDULE_OPERATION_H
+#define PHYSMAS_RECORDS_SCHEDULE_OPERATION_H
+
+#include <string>
+#include <vector>
+
+#include "records/json.h"
+#include "records/plan.h"
+
+namespace physmas {
+
+// Fields that a kind does not use keep their defaults and are not written (operation_fields in the source lists them).
+// Lengths, velocities and directions are in solver space.
+struct ScheduleOperation {
+  // The actions as in ActionType, then the operations at output frames.
+  enum class Kind : int {
+    translation = 0,
+    top_press,
+    radial_spread,
+    vertical_compress,
+    side_compress,
+    drag_pair,
+    scale,
+    impulse,
+    torque,
+    support_hold,
+    structure_projection,
+    interface_retention
+  };
+  Kind kind = Kind::translation;
+  std::vector<int> rows;                                 // inventory row indices
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();    // m/s: enforced, or the change that an impulse gives
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // unit: axis, inward direction, or which end a slab is at
+  double start = 0, end = 0;                             // seconds, [start, end)
+  int start_step = 0, end_step = 0;                      // substeps, [start, end)
+  double slab_fraction = 1;    // thickness of the slab over the rows' rest extent; 1: all of the rows
+  double ratio = 1;            // final over rest extent
+  double rate = 0;             // rad/s about `direction`
+  double speed_limit = 1;      // m/s
+  double blend_time = 2e-3;    // s
+  double position_weight = 0;  // share of the field in the motion of places
+  Follow follow = Follow::none;
+  double distance = 0;          // m: how far the interface of drag_pair reaches
+  std::vector<int> neighbours;  // drag_pair: rows that follow; interface_retention: rows that may be bonded
+  double eta = 0;               // structure_projection
+  bool rigid = false;           // structure_projection: turns with the row (run specification, projection.mode)
+  bool is_action() const { return kind < Kind::structure_projection; }
+};
+
+static_assert(static_cast<int>(ScheduleOperation::Kind::support_hold) == static_cast<int>(ActionType::support_hold),
+              "actions come first and in the vocabulary's order");
+
+// json: an entry of /schedule that its schema accepted. A field that the kind needs and that is missing, or a value
+// that makes no sense, is an Error (exit code 3). file, pointer: where it stands.
+ScheduleOperation operation_from(const Json& json, const std::string& file, const std::string& pointer);
+Json to_json(const ScheduleOperation& operation);
+
+}  // namespace physmas
+
+#endif

@@ -1,0 +1,95 @@
+# Every action of the vocabulary, from a prompt to a rollout, on a tiny scene; and the two options of a run that change
+# what a rollout holds.
+load tiny
+
+setup_file() { make_tiny_run; }
+setup() { enter_tiny_run; }
+
+# run_prompt PROMPT: plan, candidates and a short simulation of the one that stays stable on this coarse grid.
+run_prompt() {
+  sed -i "s/\"prompt\": \"[^\"]*\"/\"prompt\": \"$1\"/" bundle/scene.json
+  "$bin/pm-ground" --quiet --scene bundle/scene.json --out .
+  make_candidates
+  "$bin/pm-simulate" --quiet --scene bundle/scene.json --state state.h5 --candidate candidates/support-stiff.json --out rollouts/support-stiff.h5 --frames 8
+}
+make_candidates() {
+  "$bin/pm-material" --quiet --scene bundle/scene.json --inventory inventory.json --masks masks.h5 --state state.h5 --out evidence.json
+  "$bin/pm-candidates" --quiet --scene bundle/scene.json --inventory inventory.json --plan plan.json --evidence evidence.json --state state.h5 --out candidates
+}
+runs_as() { # PROMPT ACTION...
+  run_prompt "$1"
+  shift
+  for action in "$@"; do
+    grep -q "\"type\": \"$action\"" plan.json || { echo "no $action in the plan"; return 1; }
+    grep -q "\"operation\": \"$action\"" candidates/support-stiff.json || { echo "no $action in the candidate"; return 1; }
+  done
+  grep -q '"status": "stable"' rollouts/support-stiff.json
+  # The controls moved something: nothing is omitted for want of actions.
+  ! grep -q '"what": "actions"' rollouts/support-stiff.json
+}
+
+@test "actions: push, press, hit" {
+  runs_as "push the lollipop to the left" translation
+  runs_as "press the lollipop" top_press
+  runs_as "kick the lollipop to the right" impulse
+}
+
+@test "actions: melt, flatten, squeeze" {
+  runs_as "the candy melts" radial_spread
+  runs_as "flatten the candy" vertical_compress
+  runs_as "squeeze the candy" side_compress
+}
+
+@test "actions: drag, stretch" {
+  runs_as "drag the lollipop to the right" drag_pair
+  runs_as "stretch the candy" scale
+}
+
+@test "actions: twist, spin, hold" {
+  runs_as "twist the lollipop" torque support_hold
+  runs_as "hold the stick and spin the candy" torque support_hold
+}
+
+@test "actions: equal input gives equal bytes for any number of threads" {
+  run_prompt "twist the lollipop"
+  before=$(sha256sum <rollouts/support-stiff.h5)
+  for threads in 1 2; do
+    "$bin/pm-simulate" --quiet --threads $threads --scene bundle/scene.json --state state.h5 --candidate candidates/support-stiff.json --out rollouts/support-stiff.h5 --frames 8
+    [ "$(sha256sum <rollouts/support-stiff.h5)" = "$before" ]
+  done
+}
+
+@test "run options: rigid projection and total deformation are recorded where they act" {
+  grep -q '"mode": "literal"' candidates/rigid-support.json
+  grep -q '"deformation": "elastic"' rollouts/support-stiff.json
+  sed -i 's/"mode": "literal"/"mode": "rigid"/; s/"deformation": "elastic"/"deformation": "total"/' bundle/scene.json
+  make_candidates
+  grep -q '"mode": "rigid"' candidates/rigid-support.json
+  "$bin/pm-simulate" --quiet --scene bundle/scene.json --state state.h5 --candidate candidates/rigid-support.json --out rollouts/rigid-support.h5
+  grep -q '"deformation": "total"' rollouts/rigid-support.json
+  grep -q '"status": "stable"' rollouts/rigid-support.json
+  sed -i 's/"mode": "rigid"/"mode": "bent"/' bundle/scene.json
+  fails_with 3 simulate -- "/run/projection/mode" "bent"
+}
+
+@test "actions: operations that make no sense are refused" {
+  run_prompt "twist the lollipop"
+  cp candidates/support-stiff.json good.json
+  once() { "$bin/pm-simulate" --scene bundle/scene.json --state state.h5 --candidate candidates/support-stiff.json --out rollouts/support-stiff.h5; }
+  edit candidates/support-stiff.json 's/"blend_time": [0-9.e-]+/"blend_time": 0/'
+  fails_with 3 once -- "/schedule/0/blend_time"
+  cp good.json candidates/support-stiff.json
+  edit candidates/support-stiff.json 's/"rate": [0-9.e-]+/"rate": 1e9/'
+  fails_with 3 once -- "/schedule/0/rate"
+  cp good.json candidates/support-stiff.json
+  edit candidates/support-stiff.json '/"rate"/d'
+  fails_with 3 once -- "/schedule/0" "rate of torque"
+  cp good.json candidates/support-stiff.json
+  python3 - <<'PY'
+import json
+d = json.load(open("candidates/support-stiff.json"))
+d["schedule"][0]["direction"] = [0, 0, 0]
+json.dump(d, open("candidates/support-stiff.json", "w"))
+PY
+  fails_with 3 once -- "/schedule/0/direction" "unit vector"
+}
