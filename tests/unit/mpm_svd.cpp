@@ -140,7 +140,7 @@ void check_svd() {
                                 squared_norm(times_transposed(vt, vt) - identity<double>())});
       handedness = std::max({handedness, std::fabs(determinant(u) - 1), std::fabs(determinant(vt) - 1)});
       // Values below the root of the smallest number that counts are zero, in any order.
-      const double slack = 2 * std::sqrt(double(kTiny<T>)) * sigma.x;
+      const double slack = 2 * std::sqrt(double(kTiny<T>)) * sigma.x + double(std::numeric_limits<T>::min());
       ordered = ordered && sigma.x >= sigma.y * (1 - 16 * rounding);
       ordered = ordered && sigma.y >= std::fabs(sigma.z) * (1 - 16 * rounding) - slack;
       if ((first + l) % kCompared != 0 && first + l < kCount) continue;
