@@ -4,6 +4,7 @@
 #include "base/command_line.h"
 #include "eval/gaussian_tracks.h"
 #include "eval/motion.h"
+#include "eval/verification.h"
 #include "records/inventory.h"
 #include "records/metrics.h"
 #include "records/plan.h"
@@ -65,10 +66,46 @@ int motion(const Options& options) {
   return 0;
 }
 
+struct VerificationOptions {
+  std::string out;
+  bool quick = false;
+};
+
+int verification(const VerificationOptions& options) {
+  const std::vector<eval::VerificationRow> rows = eval::verify(options.quick);
+  Json json;
+  json["rows"] = Json::array();
+  for (const eval::VerificationRow& r : rows) {
+    json["rows"].push_back({{"quantity", r.name},
+                            {"resolution", r.resolution},
+                            {"expected", r.expected},
+                            {"measured", r.measured},
+                            {"error", r.error()},
+                            {"order", r.order != 0 ? Json(r.order) : Json()},
+                            {"source", r.source}});
+  }
+  Provenance provenance;
+  provenance.tool = "pm-eval";
+  provenance.options = {{"metric", "verification"}, {"quick", options.quick ? "yes" : "no"}};
+  save_record(options.out, "verification", provenance, json);
+  fmt::print("{}", eval::verification_table(rows));
+  return 0;
+}
+
+CLI::App* add_verification(CLI::App& app, VerificationOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "verification", "The solver against analytic answers under refinement: a table, and the same as a record");
+  command->add_option("--out", options.out, "Record to write (JSON)")->required();
+  command->add_flag("--quick", options.quick, "Only the coarsest resolutions");
+  return command;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
+  VerificationOptions verification_options;
+  CLI::App* verification_command = nullptr;
   return run_tool(
       argc, argv,
       {"pm-eval", "Measure finished runs.",
@@ -86,7 +123,11 @@ int main(int argc, char** argv) {
          command->add_option("--reference", options.reference, "Rollout to measure against")->required();
          command->add_option("--target", options.target, "Object id or row key; the whole scene by default");
          command->add_option("--out", options.out, "Metrics to write")->required();
+         verification_command = add_verification(app, verification_options);
          app.require_subcommand(1);
        },
-       [&](const CommonOptions&) { return motion(options); }});
+       [&](const CommonOptions&) {
+         if (verification_command->parsed()) return verification(verification_options);
+         return motion(options);
+       }});
 }
