@@ -2,15 +2,13 @@
 
 #include <algorithm>
 
-#include "mpm/action_velocity.h"
-
 namespace physmas::mpm {
 
-std::vector<int> select_particles(const Impulse& action, const Particles& rest) {
-  return particles_of_rows(action.rows, rest);
+Region select_region(const Impulse& action, const Particles& rest) {
+  return select_slab(action.rows, {0, 0, 1}, 1, rest);
 }
 
-void add_control(const Impulse& action, double time, double dt, Control& control) {
+void add_control(const Impulse& action, const Region&, double time, double dt, Control& control) {
   const double end = action.end();
   const double covered = std::min(end, time + dt) - std::max(action.start, time);
   if (covered <= 0) return;

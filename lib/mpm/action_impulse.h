@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mpm/control.h"
-#include "mpm/state.h"
+#include "mpm/region.h"
 
 namespace physmas::mpm {
 
@@ -23,8 +23,8 @@ struct Impulse {
 
 // As in action_velocity.h. Substeps that cover the interval in part get their share, so the total does not depend on
 // dt.
-std::vector<int> select_particles(const Impulse& action, const Particles& rest);
-void add_control(const Impulse& action, double time, double dt, Control& control);
+Region select_region(const Impulse& action, const Particles& rest);
+void add_control(const Impulse& action, const Region& region, double time, double dt, Control& control);
 
 }  // namespace physmas::mpm
 

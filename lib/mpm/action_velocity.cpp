@@ -4,45 +4,31 @@
 
 namespace physmas::mpm {
 
-std::vector<int> particles_of_rows(const std::vector<int>& rows, const Particles& rest) {
-  std::vector<int> found;
-  for (size_t i = 0; i < rest.size(); ++i) {
-    if (std::find(rows.begin(), rows.end(), rest.row[i]) != rows.end()) found.push_back(static_cast<int>(i));
-  }
-  return found;
+Region select_region(const Translation& action, const Particles& rest) {
+  return select_slab(action.rows, {0, 0, 1}, 1, rest);
 }
 
-std::vector<int> select_particles(const Translation& action, const Particles& rest) {
-  return particles_of_rows(action.rows, rest);
+Region select_region(const SlabMotion& action, const Particles& rest) {
+  return select_slab(action.rows, action.towards, action.slab_fraction, rest);
 }
 
-std::vector<int> select_particles(const TopPress& action, const Particles& rest) {
-  const std::vector<int> candidates = particles_of_rows(action.rows, rest);
-  const Vec3d up = (1 / norm(action.up)) * action.up;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const int i : candidates) {
-    const double height = dot(up, rest.position[i]);
-    low = std::min(low, height);
-    high = std::max(high, height);
-  }
-  const double border = high - action.slab_fraction * (high - low);
-  std::vector<int> slab;
-  for (const int i : candidates) {
-    if (dot(up, rest.position[i]) >= border) slab.push_back(i);
-  }
-  return slab;
+Region select_region(const ScaleSlab& action, const Particles& rest) {
+  return select_slab(action.rows, action.axis, action.slab_fraction, rest);
 }
 
-void add_control(const Translation& action, double time, double dt, Control& control) {
+void add_control(const Translation& action, const Region&, double time, double dt, Control& control) {
+  if (covers(action.start, action.end, time, dt)) enforce(action.velocity, control);
+}
+
+void add_control(const SlabMotion& action, const Region&, double time, double dt, Control& control) {
+  if (covers(action.start, action.end, time, dt)) enforce(action.velocity, control);
+}
+
+void add_control(const ScaleSlab& action, const Region& region, double time, double dt, Control& control) {
   if (!covers(action.start, action.end, time, dt)) return;
-  control.enforce = true;
-  control.velocity = action.velocity;
-}
-
-void add_control(const TopPress& action, double time, double dt, Control& control) {
-  if (!covers(action.start, action.end, time, dt)) return;
-  control.enforce = true;
-  control.velocity = action.velocity;
+  const double wanted = 0.5 * (action.ratio - 1) * region.extent.length() / (action.end - action.start);
+  const double speed = std::max(-action.speed_limit, std::min(wanted, action.speed_limit));
+  enforce((speed / norm(action.axis)) * action.axis, control);
 }
 
 }  // namespace physmas::mpm

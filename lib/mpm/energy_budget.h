@@ -132,9 +132,6 @@ inline Wide contract(const Mat3<Wide>& a, const Mat3<Wide>& b) {
   return dot(a[0], b[0]) + dot(a[1], b[1]) + dot(a[2], b[2]);
 }
 
-inline bool has_cone(Branch b) {
-  return b == Branch::sand || b == Branch::snow || b == Branch::plasticine;
-}
 inline bool has_return_map(Branch b) {
   return b == Branch::sand || b == Branch::foam || b == Branch::plasticine;
 }
@@ -150,7 +147,7 @@ inline void stresses(Branch branch, const MaterialParameters<Wide>& p, const Mat
   Vec3<Wide> tau = hencky_principal(q.strain, p.mu, p.lambda);
   for (int i = 0; i < 3; ++i) tau[i] = tau[i] * q.inside[i];
   potential = acting = from_principal(q.svd.U, tau);
-  if (has_cone(branch)) acting = from_principal(q.svd.U, project_to_cone(tau, p.alpha, p.cohesion));
+  if (has_stress_cone(branch)) acting = from_principal(q.svd.U, project_to_cone(tau, p.alpha, p.cohesion));
 }
 
 // Foam's loss at the yield strength; the rest of the loss is viscous. Only the deviator ε' of the strain flows, so the
@@ -181,8 +178,8 @@ struct GroupMotion {
   V mass, volume;
   Vec3<V> x;                     // after the substep, in cells from `origin`
   Mat3<V> F_before, F_trial, F;  // before the substep, before and after the return map
-  Vec3<V> v_gathered, v;         // before and after controls
-  Mat3<V> C_gathered, C;
+  Vec3<V> v_gathered, v, v_moved;  // before and after controls; what the place moved with
+  Mat3<V> C_gathered, C, C_moved;  // likewise; what F advanced with
 };
 
 // Adds the group's state energy and, unless dt is 0 (a state that was just loaded), its losses and works.
@@ -200,8 +197,8 @@ void measure_group(const GroupMotion<V>& g, const MaterialParameters<V>& paramet
   constexpr int kWide = static_cast<int>(Wide::size());
   for (int part = 0; part < static_cast<int>(V::size()) / kWide; ++part) {
     const Wide mass = widen(g.mass, part), volume = widen(g.volume, part);
-    const Vec3<Wide> x = widen(g.x, part), jump = widen(g.v, part) - widen(g.v_gathered, part);
-    const Mat3<Wide> F = widen(g.F, part), C = widen(g.C, part);
+    const Vec3<Wide> x = widen(g.x, part), jump = widen(g.v_moved, part) - widen(g.v_gathered, part);
+    const Mat3<Wide> F = widen(g.F, part), C = widen(g.C_moved, part);
     for (int a = 0; a < 3; ++a) {
       out.state -= gravity[a] * double(stdx::reduce(mass * (origin[a] + dx * x[a])));
       // Where a control moves a particle otherwise than the grid would have, it also lifts it.
@@ -221,7 +218,7 @@ void measure_group(const GroupMotion<V>& g, const MaterialParameters<V>& paramet
       stresses(now, p, widen(g.F_before, part), potential, acting);
       // An enforced particle does not deform with the grid: the action does the work that strain would have taken.
       out.control_after += dt * double(stdx::reduce(own * contract(acting, C - widen(g.C_gathered, part))));
-      if (has_cone(now)) out.projection += dt * double(stdx::reduce(own * contract(potential - acting, C)));
+      if (has_stress_cone(now)) out.projection += dt * double(stdx::reduce(own * contract(potential - acting, C)));
       if (!has_return_map(now)) continue;
       const Wide loss = branch_energy(now, p, widen(g.F_trial, part)) - energy;
       const Wide yielding = now == Branch::foam ? foam_yield_loss(p, F, loss) : loss;

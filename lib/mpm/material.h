@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "mpm/real.h"
 #include "records/labels.h"
 
 namespace physmas::mpm {
@@ -64,11 +65,12 @@ inline MaterialParameters<double> derive_parameters(const Material& m, const Pro
   return p;
 }
 
-// Same numbers in another type, for the solver's precision.
-template <class T>
-inline MaterialParameters<T> convert_parameters(const MaterialParameters<double>& p) {
-  return {T(p.mu),       T(p.lambda), T(p.bulk),      T(p.density),   T(p.friction),      T(p.alpha),
-          T(p.cohesion), T(p.yield),  T(p.viscosity), T(p.softening), T(p.residual_yield)};
+// Same numbers in another type: the solver's precision, or the same in every SIMD lane.
+template <class T, class From>
+inline MaterialParameters<T> convert_parameters(const MaterialParameters<From>& p) {
+  const auto to = [](From number) { return T(static_cast<Scalar<T>>(number)); };
+  return {to(p.mu),       to(p.lambda), to(p.bulk),      to(p.density),   to(p.friction),      to(p.alpha),
+          to(p.cohesion), to(p.yield),  to(p.viscosity), to(p.softening), to(p.residual_yield)};
 }
 
 // Speed of the fastest elastic wave [m/s] (paper, Eq. "supp-wavespeed").

@@ -10,10 +10,15 @@
 namespace physmas::mpm {
 
 // Relaxes a support-like row towards its rest shape around its current centre (paper, Eqs. "structuremotion",
-// "structurestate"). Means are unweighted, over all particles of the row. The rest shape is not rotated.
+// "structurestate"). Means are unweighted, over all particles of the row.
 struct StructureProjection {
+  // literal: the rest shape is not rotated, F goes to the identity, velocities to their mean, as the paper prints it.
+  // rigid: the rest shape is turned by the row's best-fit rotation R, F goes to R, and velocities to the rigid motion
+  // that fits them best, so that a support may topple.
+  enum class Mode { literal, rigid };
   int row = 0;
   double eta = 0.85;  // 0..1; 1 restores the rest shape
+  Mode mode = Mode::literal;
 };
 
 // Keeps particles that were close to a support at rest in their place relative to it (paper, "Initial-Neighborhood
@@ -35,7 +40,11 @@ class CompiledProjection {
   bool empty() const { return particles_.empty(); }
 
  private:
+  Mat3d best_rotation(const State& state, const Vec3d& center) const;
+  Vec3d best_spin(const State& state, const Vec3d& center, const Vec3d& velocity) const;
+
   double eta_;
+  StructureProjection::Mode mode_;
   std::vector<int> particles_;
   std::vector<Vec3d> offset_;
 };

@@ -66,6 +66,13 @@ PHYSMAS_INLINE float exponential(float x) {
 PHYSMAS_INLINE double exponential(double x) {
   return std::exp(x);
 }
+// x^(−1/3) of positive x.
+PHYSMAS_INLINE float inverse_cube_root(float x) {
+  return 1 / std::cbrt(x);
+}
+PHYSMAS_INLINE double inverse_cube_root(double x) {
+  return 1 / std::cbrt(x);
+}
 PHYSMAS_INLINE float round_down(float x) {
   return std::floor(x);
 }

@@ -9,11 +9,10 @@ namespace physmas::mpm {
 ActionPlan::ActionPlan(const std::vector<Action>& actions, const Particles& rest)
     : actions_(actions), group_of_(rest.size(), 0), groups_(1) {
   for (size_t a = 0; a < actions_.size(); ++a) {
-    const std::vector<int> particles =
-        std::visit([&](const auto& action) { return select_particles(action, rest); }, actions_[a]);
+    regions_.push_back(std::visit([&](const auto& action) { return select_region(action, rest); }, actions_[a]));
     // A group splits into the particles that this action moves and those that it does not.
     std::map<std::uint16_t, std::uint16_t> with_action;
-    for (const int i : particles) {
+    for (const int i : regions_[a].particles) {
       const auto [it, fresh] = with_action.try_emplace(group_of_[i], static_cast<std::uint16_t>(groups_.size()));
       if (fresh) {
         if (groups_.size() > 0xffff) throw internal_error("more than 65,535 combinations of actions");
@@ -31,7 +30,7 @@ bool ActionPlan::controls(double time, double dt, std::vector<Control>& out) con
   bool busy = false;
   for (size_t g = 1; g < groups_.size(); ++g) {
     for (const int a : groups_[g]) {
-      std::visit([&](const auto& action) { add_control(action, time, dt, out[g]); }, actions_[a]);
+      std::visit([&](const auto& action) { add_control(action, regions_[a], time, dt, out[g]); }, actions_[a]);
     }
     busy = busy || !out[g].idle();
   }

@@ -6,13 +6,18 @@
 #include <variant>
 #include <vector>
 
+#include "mpm/action_compress.h"
+#include "mpm/action_drag.h"
 #include "mpm/action_impulse.h"
+#include "mpm/action_spread.h"
+#include "mpm/action_torque.h"
 #include "mpm/action_velocity.h"
 #include "mpm/projection.h"
 
 namespace physmas::mpm {
 
-using Action = std::variant<Translation, TopPress, Impulse>;
+using Action = std::variant<Translation, SlabMotion, ScaleSlab, Impulse, RadialSpread, VerticalCompress, SideCompress,
+                            DragFollow, Torque>;
 
 struct Schedule {
   std::vector<Action> actions;
@@ -32,6 +37,7 @@ class ActionPlan {
 
  private:
   std::vector<Action> actions_;
+  std::vector<Region> regions_;  // per action
   std::vector<std::uint16_t> group_of_;
   std::vector<std::vector<int>> groups_;  // actions of each group, in schedule order
 };

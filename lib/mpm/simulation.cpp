@@ -38,7 +38,9 @@ void check(const Problem& p, const Timing& t) {
   }
   const Particles& q = p.particles;
   const size_t count = q.size();
-  if (q.volume.size() != count || q.row.size() != count || (!q.velocity.empty() && q.velocity.size() != count))
+  const auto fits = [&](size_t size) { return size == 0 || size == count; };
+  if (q.volume.size() != count || q.row.size() != count || !fits(q.velocity.size()) ||
+      !fits(q.deformation_gradient.size()))
     refuse("particles", "arrays of different lengths", "one entry per particle in each");
   for (size_t i = 0; i < count; ++i) {
     const std::string where = "particle " + std::to_string(i) + " ";
@@ -49,6 +51,9 @@ void check(const Problem& p, const Timing& t) {
       refuse(where + "row", std::to_string(q.row[i]), "an index into the materials");
     if (!q.velocity.empty() && !finite(q.velocity[i]))
       refuse(where + "velocity", "a value that is not finite", "three finite numbers");
+    if (q.deformation_gradient.empty()) continue;
+    for (const Vec3d& row : q.deformation_gradient[i].row)
+      if (!finite(row)) refuse(where + "F", "a value that is not finite", "nine finite numbers");
   }
 }
 
@@ -58,8 +63,10 @@ State rest_state(const Problem& problem, const StepperSetup& setup) {
   state.x = problem.particles.position;
   state.v = problem.particles.velocity;
   state.v.resize(count, {0, 0, 0});
-  state.F.assign(count, identity<double>());
+  state.F = problem.particles.deformation_gradient;
+  state.F.resize(count, identity<double>());
   state.C.assign(count, diagonal(0.0, 0.0, 0.0));
+  if (setup.track_total_F) state.total_F.assign(count, identity<double>());
   state.strength.resize(count);
   for (size_t i = 0; i < count; ++i) state.strength[i] = setup.parameters[problem.particles.row[i]].yield;
   return state;
@@ -73,6 +80,8 @@ const char* reason_token(StepFault fault) {
       return "speed";
     case StepFault::energy:
       return "energy";
+    case StepFault::budget:
+      return "budget";
     case StepFault::none:
       break;
   }
@@ -85,13 +94,14 @@ std::vector<Omission> omissions(const Problem& problem, const Options& options) 
   for (const int row : problem.particles.row) used[static_cast<int>(problem.materials[row].branch)] = true;
   for (int b = 0; b < kBranchCount; ++b) {
     if (!used[b]) list.push_back({std::string("branch ") + kBranchNames[b], "no particle belongs to it"});
-    svd = svd || (used[b] && needs_svd(static_cast<Branch>(b)));
+    svd = svd || (used[b] && needs_principal_stretches(static_cast<Branch>(b)));
   }
-  if (!svd) list.push_back({"singular value decomposition", "no present branch needs principal stretches"});
+  if (!svd) list.push_back({"principal stretches", "no present branch needs them"});
   if (problem.domain.colliders.empty()) list.push_back({"colliders", "none are configured"});
   if (problem.schedule.actions.empty()) list.push_back({"actions", "none are scheduled"});
   if (problem.schedule.projections.empty()) list.push_back({"structure projection", "no row is projected"});
   if (problem.schedule.retentions.empty()) list.push_back({"interface retention", "no support retains its neighbours"});
+  if (!options.track_total_F) list.push_back({"total deformation", "frames hold the elastic one"});
   if (!options.measure_energy && !options.measure_steps) {
     list.push_back({"elastic energy and det F range", "not asked for"});
   }
@@ -170,6 +180,7 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
   setup.row = problem.particles.row;
   setup.volume = problem.particles.volume;
   setup.control_group = actions.group_of();
+  setup.track_total_F = options.track_total_F;
   setup.team = &team;
   setup.measure_steps = result.measured_steps = options.measure_steps;
   result.measured_energy = options.measure_energy || options.measure_steps;
@@ -206,17 +217,33 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
   const Vec3d& g = problem.domain.gravity;
   const double fall = problem.domain.length * (std::fabs(g.x) + std::fabs(g.y) + std::fabs(g.z));
   const double slow = 1e-3 * problem.domain.dx() / result.dt;
-  const double available = start.kinetic + start.mass * (fall + 0.5 * slow * slow);
+  // Material that starts deformed brings energy of its own.
+  const bool deformed = !problem.particles.deformation_gradient.empty();
+  const double stored = deformed ? summarise_elastic(setup, state).energy : 0;
+  const double available = start.kinetic + stored + start.mass * (fall + 0.5 * slow * slow);
+
+  AdaptiveStepping adaptive(setup, result.dt, (timing.frames - 1) * timing.frame_dt, options.max_steps);
+  const auto advance = [&](int frame, double energy_limit) {
+    if (timing.rule == StepRule::cfl) {
+      return adaptive.advance(*stepper, state, actions, (frame - 1) * timing.frame_dt, timing.frame_dt, energy_limit);
+    }
+    StepReport refused;
+    refused.fault = StepFault::budget;
+    refused.steps = 1;
+    if (static_cast<double>(timing.substeps) * (timing.frames - 1) > static_cast<double>(options.max_steps))
+      return refused;
+    const long long first_step = result.steps;
+    const auto controls = [&](int step, std::vector<Control>& out) {
+      return actions.controls(static_cast<double>(first_step + step) * result.dt, result.dt, out);
+    };
+    return stepper->advance(timing.substeps, result.dt, controls, energy_limit);
+  };
 
   for (int frame = 1; frame < timing.frames; ++frame) {
     const Stopwatch load_watch;
     result.particles_outside = std::max(result.particles_outside, stepper->load(state));
     result.seconds_frames += load_watch.seconds();
-    const long long first_step = result.steps;
-    const auto controls = [&](int step, std::vector<Control>& out) {
-      return actions.controls(static_cast<double>(first_step + step) * result.dt, result.dt, out);
-    };
-    const StepReport report = stepper->advance(timing.substeps, result.dt, controls, 2 * (available + control_work));
+    const StepReport report = advance(frame, 2 * (available + control_work));
     result.steps += report.steps;
     result.max_speed = std::max(result.max_speed, report.max_speed);
     result.particles_outside = std::max(result.particles_outside, report.particles_clamped);
@@ -251,6 +278,9 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
     hand_out(frame);
     result.seconds_frames += frame_watch.seconds();
   }
+  result.history = adaptive.history();
+  if (timing.rule == StepRule::fixed) result.history.smallest_dt = result.history.largest_dt = result.dt;
+  if (result.history.steps > 0) result.dt = result.history.time / static_cast<double>(result.history.steps);
   if (result.steps > 0) {
     const double blocks = std::pow((problem.domain.n + 4) / 4, 3);
     const double share = 100 * (1 - stepper->active_grid_blocks() / blocks);

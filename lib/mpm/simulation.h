@@ -14,6 +14,7 @@
 #include "mpm/schedule.h"
 #include "mpm/state.h"
 #include "mpm/stepper.h"
+#include "mpm/timestep.h"
 
 namespace physmas::mpm {
 
@@ -26,17 +27,23 @@ struct Problem {
   Schedule schedule;
 };
 
+// `fixed`: frame_dt / substeps throughout (the paper's rule chooses the number of substeps). `cfl`: timestep.h.
+enum class StepRule { fixed, cfl };
+
 struct Timing {
   int frames = 50;         // output frames T, the rest frame 0 included, at least 1
   double frame_dt = 0.04;  // s between output frames
-  int substeps = 200;      // per output frame, at least 1; dt = frame_dt / substeps
+  int substeps = 200;      // per output frame, at least 1; dt = frame_dt / substeps; `cfl`: no larger than that
+  StepRule rule = StepRule::fixed;
 };
 
 struct Options {
   Precision precision = Precision::single;
   int threads = 0;             // 0: all cores. Results do not depend on it, byte for byte
+  bool track_total_F = false;  // integrate State::total_F = Π (I + dt C), which no return map touches
   bool measure_energy = true;  // elastic energy and the range of det F at output frames
   bool measure_steps = false;  // the energy budget of every substep (much slower); implies measure_energy
+  long long max_steps = 10'000'000;  // a run that needs more ends as `diverged`, reason "budget"
 };
 
 // Handed to the callback at every output frame, frame 0 first. `state` holds all particles in the callers' order, after
@@ -57,7 +64,7 @@ struct Balance {
   double affine = 0;                   // J, kinetic energy of the affine fields of APIC
   double elastic = 0;                  // J; trial energy for Sand, Snow and Plasticine; 0 when not measured
   double gravity = 0;                  // J, relative to the origin of solver space
-  double control_work = 0;             // J put in by enforced velocities and impulses since the start (positive parts)
+  double control_work = 0;             // J put in by actions and projections since the start (positive parts)
   Vec3d momentum = {0, 0, 0};          // kg m/s
   Vec3d angular_momentum = {0, 0, 0};  // kg m^2/s about the origin, the affine part of APIC included
   double max_speed = 0;                // m/s
@@ -90,11 +97,13 @@ struct Result {
   // Global substep, counted from 0, in which a fault was found; -1 when stable. A fault shows in the substep after the
   // one that made the state bad, at the latest: every substep checks every particle.
   long long first_bad_step = -1;
-  std::string reason;    // "", "nan" (not finite), "speed" (over a cell per substep), "energy" (more than can be there)
+  std::string reason;    // "", "nan" (not finite), "speed" (over a cell per substep), "energy" (more than can be there),
+                         // "budget" (more than max_steps)
   int frames_done = 0;   // output frames handed out
   long long steps = 0;   // substeps done
-  double dt = 0;         // s
+  double dt = 0;         // s; the mean of the substeps under StepRule::cfl
   double max_speed = 0;  // m/s, over all substeps
+  StepHistory history;         // the range of steps, and retries; no retries under StepRule::fixed
   double min_J = 1, max_J = 1;                           // over output frames
   std::vector<Balance> balances;                         // one per frame handed out
   bool measured_energy = false, measured_steps = false;  // what the balances hold

@@ -15,6 +15,7 @@ struct Particles {
   std::vector<double> volume;   // [N] rest volume [m^3], > 0
   std::vector<int> row;         // [N] index into the materials
   std::vector<Vec3d> velocity;  // [N] m/s, or empty: at rest
+  std::vector<Mat3d> deformation_gradient;  // [N] elastic F at the start, any finite matrix; or empty: identity
 
   size_t size() const { return position.size(); }
 };
@@ -25,6 +26,7 @@ struct State {
   std::vector<Vec3d> v;          // [N] velocity [m/s]
   std::vector<Mat3d> F;          // [N] elastic deformation gradient, after the return map
   std::vector<Mat3d> C;          // [N] APIC affine velocity map B of the paper [1/s]
+  std::vector<Mat3d> total_F;    // [N] total deformation gradient, without return maps; empty unless it is tracked
   std::vector<double> strength;  // [N] current von Mises strength of plasticine [Pa]
 
   size_t size() const { return x.size(); }

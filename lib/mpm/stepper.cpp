@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "base/clock.h"
+#include "mpm/apply_control.h"
 #include "mpm/blocks.h"
 #include "mpm/collider.h"
 #include "mpm/constitutive.h"
@@ -82,11 +83,6 @@ class TypedStepper final : public Stepper {
   static_assert(W == Row<T>::kPart);
   static constexpr int kFields = 12;  // x 3, F 9: what lives from substep to substep
 
-  // Controls of one substep in this precision.
-  struct ControlTable {
-    bool active = false;
-    std::vector<Control> group;
-  };
   struct Scratch;
 
   void resort(StepReport& report);
@@ -115,6 +111,8 @@ class TypedStepper final : public Stepper {
   Buffer<T> field_[kFields], field_back_[kFields];  // x in cells from the block's first node; F row-major
   Buffer<T> volume_, volume_back_, strength_, strength_back_;
   Buffer<int> particle_, particle_back_;        // -1: empty slot
+  bool tracks_total_F_ = false;
+  Buffer<T> total_F_[9], total_F_back_[9];      // row-major; empty unless tracked
   Buffer<T> v_[3], C_[9];                       // valid between intervals only
   std::vector<int> group_row_;                  // row of all lanes of a group, -1 when mixed
   std::vector<std::uint8_t> group_controlled_;  // whether any lane is in a control group
@@ -149,7 +147,7 @@ struct TypedStepper<T>::Scratch {
 
 template <class T>
 TypedStepper<T>::TypedStepper(const StepperSetup& setup)
-    : setup_(setup), dx_(setup.domain.dx()), map_(setup.domain.n + 1, W) {
+    : setup_(setup), dx_(setup.domain.dx()), map_(setup.domain.n + 1, W), tracks_total_F_(setup.track_total_F) {
   for (const auto& p : setup_.parameters) parameters_.push_back(convert_parameters<T>(p));
   for (const int row : setup_.row) uses_strength_ = uses_strength_ || setup_.branches[row] == Branch::plasticine;
   velocity_.resize(static_cast<size_t>(map_.grid_block_count()) * kBlockNodes * 4);
@@ -181,6 +179,9 @@ long long TypedStepper<T>::load(const State& state) {
   volume_.resize(slots_);
   particle_.resize(slots_);
   if (uses_strength_) strength_.resize(slots_);
+  if (tracks_total_F_) {
+    for (auto& f : total_F_) f.resize(slots_);
+  }
   for (const ParticleBlock& block : map_.particle_blocks) {
     const int end = block.begin + (block.count + W - 1) / W * W;
     for (int s = block.begin; s < end; ++s) {
@@ -189,6 +190,9 @@ long long TypedStepper<T>::load(const State& state) {
       particle_[s] = i;
       volume_[s] = real ? T(setup_.volume[i]) : T(0);
       if (uses_strength_) strength_[s] = real ? T(state.strength[i]) : T(1);
+      for (int k = 0; tracks_total_F_ && k < 9; ++k) {
+        total_F_[k][s] = real ? T(state.total_F[i][k / 3][k % 3]) : T(k % 4 == 0);
+      }
       for (int a = 0; a < 3; ++a) {
         field_[a][s] = real ? T(cells[i][a] - kBlock * block.position[a]) : T(2);
         v_[a][s] = real ? T(state.v[i][a]) : T(0);
@@ -217,6 +221,7 @@ void TypedStepper<T>::store(State& state) const {
         }
       }
       if (uses_strength_) state.strength[i] = strength_[s];
+      for (int k = 0; tracks_total_F_ && k < 9; ++k) state.total_F[i][k / 3][k % 3] = total_F_[k][s];
     }
   }
 }
@@ -287,6 +292,9 @@ void TypedStepper<T>::resort(StepReport& report) {
   volume_back_.resize(slots_);
   particle_back_.resize(slots_);
   if (uses_strength_) strength_back_.resize(slots_);
+  if (tracks_total_F_) {
+    for (auto& f : total_F_back_) f.resize(slots_);
+  }
   for (auto& f : v_) f.resize(slots_);
   for (auto& f : C_) f.resize(slots_);
   const int blocks = static_cast<int>(map_.particle_blocks.size());
@@ -299,6 +307,9 @@ void TypedStepper<T>::resort(StepReport& report) {
       particle_back_[s] = old >= 0 ? particle_[old] : -1;
       volume_back_[s] = old >= 0 ? volume_[old] : T(0);
       if (uses_strength_) strength_back_[s] = old >= 0 ? strength_[old] : T(1);
+      for (int k = 0; tracks_total_F_ && k < 9; ++k) {
+        total_F_back_[k][s] = old >= 0 ? total_F_[k][old] : T(k % 4 == 0);
+      }
       for (int f = 0; f < kFields; ++f) {
         field_back_[f][s] = old >= 0 ? field_[f][old] : f < 3 ? T(2) : T(f == 3 || f == 7 || f == 11);
       }
@@ -313,6 +324,7 @@ void TypedStepper<T>::resort(StepReport& report) {
   volume_.swap(volume_back_);
   particle_.swap(particle_back_);
   strength_.swap(strength_back_);
+  for (int k = 0; tracks_total_F_ && k < 9; ++k) total_F_[k].swap(total_F_back_[k]);
   refresh_groups();
   ++report.sorts;
   report.seconds_sort += watch.seconds();
@@ -497,11 +509,7 @@ PHYSMAS_INLINE void flush_rows(Row<T>* sum, T* corner) {
 template <class T>
 MaterialParameters<typename TypedStepper<T>::V> TypedStepper<T>::group_parameters(int group, int first) const {
   const int common = group_row_[group];
-  if (common >= 0) {
-    const MaterialParameters<T>& p = parameters_[common];
-    return {V(p.mu),       V(p.lambda), V(p.bulk),      V(p.density),   V(p.friction),      V(p.alpha),
-            V(p.cohesion), V(p.yield),  V(p.viscosity), V(p.softening), V(p.residual_yield)};
-  }
+  if (common >= 0) return convert_parameters<V>(parameters_[common]);
   alignas(64) T lanes[kMaterialParameterCount][W];
   for (int l = 0; l < W; ++l) {
     const int i = particle_[first + l];
@@ -568,6 +576,8 @@ void TypedStepper<T>::process_block(int index, double dt) {
   BlockReport report;
   const T step = T(dt);
   const T move = T(dt / dx_), gradient = T(4 / dx_);
+  const Vec3d origin = {kBlock * block.position[0] * dx_, kBlock * block.position[1] * dx_,
+                        kBlock * block.position[2] * dx_};
   // Particles of blocks at the edge are held in the safe interior.
   T low[3], high[3];
   bool at_edge = false;
@@ -645,62 +655,60 @@ void TypedStepper<T>::process_block(int index, double dt) {
       }
     }
 
-    // Controls: enforced velocities of the gathered substep, then those and the forces of the scattered one.
+    // Controls: the forced motion of the gathered substep, then blends and forces of the scattered one.
     const bool controlled = group_controlled_[group] != 0;
-    const auto enforce = [&](const ControlTable& table, bool changes) {
-      alignas(64) T flag[W], numbers[6][W];
-      for (int l = 0; l < W; ++l) {
-        const int i = particle_[first + l];
-        const Control& c = table.group[i >= 0 ? setup_.control_group[i] : 0];
-        flag[l] = c.enforce ? T(1) : T(0);
-        for (int a = 0; a < 3; ++a) {
-          numbers[a][l] = T(c.velocity[a]);
-          numbers[3 + a][l] = changes ? T(c.change[a]) : T(0);
-        }
-      }
-      const auto enforced = V(flag, stdx::vector_aligned) > V(T(0));
-      const V before = dot(v, v);
-      for (int a = 0; a < 3; ++a) {
-        const V target(numbers[a], stdx::vector_aligned), change(numbers[3 + a], stdx::vector_aligned);
-        v[a] = select(enforced, target, v[a] + change);
-        for (int b = 0; b < 3; ++b) C[a][b] = select(enforced, V(T(0)), C[a][b]);
-      }
-      const V work = T(0.5) * mass * (dot(v, v) - before);
-      report.control_work += double(stdx::reduce(at_least(work, V(T(0)))));
-      return enforced;
+    const auto controls_of = [&](const ControlTable& table) {
+      std::uint16_t groups[W];
+      for (int l = 0; l < W; ++l) groups[l] = l < real ? setup_.control_group[particle_[first + l]] : 0;
+      return load_controls<T>(table, groups, origin, dx_);
     };
+    const bool forced = kGather && controlled && after_.active;
+    ForcedMotion<V> motion;
 
-    GroupMotion<V> motion;
-    if (kMeasure) motion = {mass, volume, x, F, F, F, v, v, C, C};
+    GroupMotion<V> measured;
+    if (kMeasure) measured = {mass, volume, x, F, F, F, v, v, v, C, C, C};
     if (kGather) {
-      if (controlled && after_.active) enforce(after_, false);
+      if (forced) motion = force_motion<T>(controls_of(after_), x, mass, v, C, report.control_work);
       const V squared = dot(v, v);
       kinetic += mass * squared;
       speed = at_least(squared, speed);
       finite = finite && (squared - squared == V(T(0)));
       for (int a = 0; a < 3; ++a) x[a] += move * v[a];
+      if (forced) {
+        for (int a = 0; a < 3; ++a) x[a] += move * motion.increment[a];
+        const Vec3<V> whole = v + motion.increment;
+        speed = at_least(dot(whole, whole), speed);
+      }
       if (at_edge) {
         const Vec3<V> free = x;
         for (int a = 0; a < 3; ++a) x[a] = at_most(at_least(x[a], V(low[a])), V(high[a]));
         const auto held = free.x != x.x || free.y != x.y || free.z != x.z;
         report.clamped += stdx::popcount(held);
       }
-      F = F + V(step) * (C * F);
+      const Mat3<V> gradient_of_step = forced ? C + motion.increment_gradient : C;
+      F = F + V(step) * (gradient_of_step * F);
+      if (tracks_total_F_) {
+        Mat3<V> total;
+        for (int k = 0; k < 9; ++k) total[k / 3][k % 3] = V(&total_F_[k][first], stdx::vector_aligned);
+        total = total + V(step) * (gradient_of_step * total);
+        for (int k = 0; k < 9; ++k) total[k / 3][k % 3].copy_to(&total_F_[k][first], stdx::vector_aligned);
+      }
     }
     // A prime pass only evaluates stress; its F has been through the return map already.
-    if (kMeasure) motion.F_trial = F;
+    if (kMeasure) measured.F_trial = F;
     const Mat3<V> tau = update_stress(group, first, p, V(kGather ? step : T(0)), F, strength);
     if (kMeasure) {
-      motion.x = x, motion.v = v, motion.C = C;
-      if (kGather) motion.F = F;
+      measured.x = x, measured.v = v, measured.C = C;
+      measured.v_moved = forced ? v + motion.increment : v;
+      measured.C_moved = forced ? C + motion.increment_gradient : C;
+      if (kGather) measured.F = F;
       Branch branch[W];
       for (int l = 0; l < W; ++l) {
         branch[l] = setup_.branches[setup_.row[particle_[first + std::min(l, real - 1)]]];
       }
-      const Vec3d origin = {kBlock * dx_ * block.position[0], kBlock * dx_ * block.position[1],
-                            kBlock * dx_ * block.position[2]};
-      measure_group(motion, p, branch, origin, setup_.domain.gravity, dx_, kGather ? dt : 0, report.energy);
+      measure_group(measured, p, branch, origin, setup_.domain.gravity, dx_, kGather ? dt : 0, report.energy);
     }
+    if (forced) report.control_work += elastic_work<T>(motion, tau, volume, step);
     if (kGather) {
       for (int a = 0; a < 3; ++a) {
         x[a].copy_to(&field_[a][first], stdx::vector_aligned);
@@ -716,10 +724,12 @@ void TypedStepper<T>::process_block(int index, double dt) {
       continue;
     }
 
-    if (controlled && before_.active) enforce(before_, true);
+    if (controlled && before_.active) {
+      report.control_work += blend_controls<T>(controls_of(before_), x, mass, v, C);
+    }
     if (kMeasure) {
       const double scattered = affine_kinetic(mass, v, C, dx_);
-      report.energy.control_before += scattered - affine_kinetic(mass, motion.v, motion.C, dx_);
+      report.energy.control_before += scattered - affine_kinetic(mass, measured.v, measured.C, dx_);
       report.energy.scattered += scattered;
     }
     locate_group(x);
@@ -810,10 +820,14 @@ StepReport TypedStepper<T>::advance(int steps, double dt, const ControlSource& c
     grid_update(dt, report);
     std::swap(after_, before_);
     if (after_.active) {
+      double enforced = 0, increment = 0;
       for (const Control& c : after_.group) {
-        if (!c.enforce) continue;
-        for (int a = 0; a < 3; ++a) next_drift_ = std::max(next_drift_, std::fabs(c.velocity[a]) * dt / dx_);
+        if (c.enforces()) enforced = std::max(enforced, c.top_speed());
+        const double weight = std::max(c.position.along, c.position.across);
+        if (weight > 0) increment = std::max(increment, weight * c.speed_limit);
       }
+      // Motion that is enforced in one direction only keeps what it has in the others.
+      next_drift_ = std::hypot(next_drift_, enforced * dt / dx_) + increment * dt / dx_;
     }
     if (drift_ > 0 && !(drift_ + next_drift_ <= kDriftLimit)) resort(report);
     const bool last = report.steps + 1 == steps;

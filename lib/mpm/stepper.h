@@ -27,18 +27,20 @@ struct StepperSetup {
   std::vector<int> row;                                // per particle
   std::vector<double> volume;                          // per particle [m^3]
   std::vector<std::uint16_t> control_group;            // per particle
+  bool track_total_F = false;                          // State::total_F is integrated as well
   Team* team = nullptr;                                // runs the loops; outlives the stepper
   bool measure_steps = false;                          // the energy budget of every substep
 };
 
-enum class StepFault { none, not_finite, speed, energy };
+// `budget`: more substeps than allowed; only AdaptiveStepping reports it.
+enum class StepFault { none, not_finite, speed, energy, budget };
 
 // What was seen during the substeps of one interval.
 struct StepReport {
   int steps = 0;  // substeps done, the faulty one included
   StepFault fault = StepFault::none;
   double max_speed = 0;             // fastest particle in any substep [m/s]
-  double control_work = 0;          // kinetic energy that enforced velocities and impulses put in [J]
+  double control_work = 0;          // kinetic and elastic energy that the controls put in, positive parts [J]
   long long particles_clamped = 0;  // most particles held at the edge of the grid in one substep
   int sorts = 0;
   EnergyBudget energy;                                               // when measured

@@ -250,3 +250,63 @@ TEST_CASE("mpm constitutive: a return map leaves what does not yield bit for bit
     CHECK(strength == p.yield);
   }
 }
+
+TEST_CASE("mpm constitutive: closed forms agree with the decompositions, also for nearly equal stretches") {
+  std::mt19937 random(31);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto check = [&](auto zero) {
+    using T = decltype(zero);
+    using V = Lanes<T>;
+    double worst_stress = 0, worst_F = 0;
+    int yielding = 0;
+    for (const Branch branch : kAll) {
+      if (branch == Branch::jelly) continue;
+      for (int k = 0; k < 3000; ++k) {
+        // Stretches of all kinds: far apart, two or three alike to any number of digits, none at all.
+        const double spread = std::pow(10.0, -k % 9), pair = std::pow(10.0, -k % 7);
+        const double base = 1 + 0.1 * uniform(random), a = base * (1 + 0.5 * spread * uniform(random));
+        const double b = k % 3 ? a * (1 + 0.5 * pair * uniform(random)) : a;
+        const Mat3d U = polar_rotation(random_matrix(random, 1)), W = polar_rotation(random_matrix(random, 1));
+        const Mat3d exact = U * (diagonal(base, a, b) * W);
+        const auto p = convert_parameters<V>(parameters(branch));
+        Mat3<V> F, other_F;
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) F[i][j] = V(T(exact[i][j]));
+        other_F = F;
+        V strength = p.yield, other_strength = p.yield;
+        const V dt(T(1e-4));
+        const Mat3<V> tau = update_branch(branch, p, dt, F, strength);
+        const Mat3<V> other = branch == Branch::metal ? metal_stress_by_rotation(other_F, p.mu, p.lambda)
+                                                      : update_hencky_by_svd(branch, p, dt, other_F, other_strength);
+        const T stiffness = p.lambda[0] + 2 * p.mu[0];
+        worst_stress = std::max(worst_stress, std::sqrt(double(squared_norm(tau - other)[0])) / stiffness);
+        worst_F = std::max(worst_F, std::sqrt(double(squared_norm(F - other_F)[0])));
+        yielding += other_strength[0] < p.yield[0];
+        CHECK(std::fabs(strength[0] - other_strength[0]) < T(64) * kEpsilon<T> * stiffness);
+      }
+    }
+    // Rounding of F Fᵀ and of its eigenvalues, all of order one; twenty operations deep.
+    CHECK(worst_stress < 32 * kEpsilon<T>);
+    CHECK(worst_F < 32 * kEpsilon<T>);
+    CHECK(yielding > 300);
+    MESSAGE("stress within ", worst_stress / kEpsilon<T>, " roundings of the modulus, F within ",
+            worst_F / kEpsilon<T>);
+  };
+  check(0.0f);
+  check(0.0);
+}
+
+TEST_CASE("mpm constitutive: inverse cube root of lanes") {
+  const auto check = [](auto zero) {
+    using T = decltype(zero);
+    double worst = 0;
+    for (int k = -3000; k <= 9000; ++k) {
+      const T x = T(std::pow(10.0, k / 1000.0));
+      const double exact = 1 / std::cbrt(double(x));
+      worst = std::max(worst, std::fabs(double(inverse_cube_root(Lanes<T>(x))[0]) / exact - 1));
+    }
+    CHECK(worst < 3 * kEpsilon<T>);
+  };
+  check(0.0f);
+  check(0.0);
+}

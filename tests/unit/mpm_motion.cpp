@@ -291,7 +291,7 @@ TEST_CASE("mpm omitted: what the scene does not need is listed") {
       if (o.what == what) return !o.why.empty();
     return false;
   };
-  CHECK(has("singular value decomposition"));
+  CHECK(has("principal stretches"));
   CHECK(has("branch Sand"));
   CHECK(!has("branch Jelly"));
   CHECK(has("colliders"));

@@ -51,7 +51,7 @@ TEST_CASE("mpm actions: top_press moves the slab nearest the top and presses the
   p.schedule.actions.push_back(press);
   const Outcome out = simulate(p, {6, 0.04, 80});
   REQUIRE(out.result.status == Status::stable);
-  const std::vector<int> slab = select_particles(press, p.particles);
+  const std::vector<int> slab = select_region(press, p.particles).particles;
   double low = 2, high = 0;
   for (const Vec3d& x : p.particles.position) low = std::min(low, x.z), high = std::max(high, x.z);
   size_t expected = 0;

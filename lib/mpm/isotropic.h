@@ -1,0 +1,148 @@
+// Isotropic functions of b = F Fᵀ in closed form: f(b) = Σ f(λ_i) n_i n_iᵀ without eigenvectors.
+//
+// Newton interpolation at the eigenvalues gives f(b) = f₁ I + f₁₂ (b − λ₁) + f₁₂₃ (b − λ₁)(b − λ₂) with divided
+// differences f₁₂, f₁₂₃. An error δ of one eigenvalue enters multiplied by its distance from the others, so nearly
+// equal eigenvalues, which any formula of the cubic finds with few digits, do no harm as long as the first divided
+// differences are exact for the numbers they are given.
+#ifndef PHYSMAS_MPM_ISOTROPIC_H
+#define PHYSMAS_MPM_ISOTROPIC_H
+
+#include "mpm/mat3.h"
+
+namespace physmas::mpm {
+
+template <class T>
+struct Symmetric {
+  T xx, yy, zz, xy, xz, yz;
+};
+
+template <class T>
+PHYSMAS_INLINE Mat3<T> to_matrix(const Symmetric<T>& a) {
+  return {{{a.xx, a.xy, a.xz}, {a.xy, a.yy, a.yz}, {a.xz, a.yz, a.zz}}};
+}
+
+// The spectrum of b = F Fᵀ. Number 1 is the eigenvalue that lies farthest from the other two, 3 is the farthest from 1.
+template <class T>
+struct Spectrum {
+  T mean;                  // tr b / 3
+  Vec3<T> offset;          // λ_i − mean
+  Vec3<T> value;           // λ_i
+  Symmetric<T> deviator;   // b − mean I
+  Symmetric<T> quadratic;  // (b − λ₁)(b − λ₂)
+};
+
+// Roots of the characteristic cubic as 2 p cos φ with cos 3φ = r. For t = cos φ that is 4 t³ − 3 t = r; with r >= 0, t
+// lies in [√3/2, 1], where Newton's iteration is well conditioned; r < 0 is the mirror image.
+template <class T>
+PHYSMAS_INLINE Spectrum<T> spectrum_of_left_cauchy_green(const Mat3<T>& F) {
+  using S = Scalar<T>;
+  const T xx = dot(F[0], F[0]), yy = dot(F[1], F[1]), zz = dot(F[2], F[2]);
+  Spectrum<T> q;
+  q.mean = S(1.0 / 3.0) * (xx + yy + zz);
+  Symmetric<T>& A = q.deviator;
+  A = {xx - q.mean, yy - q.mean, zz - q.mean, dot(F[0], F[1]), dot(F[0], F[2]), dot(F[1], F[2])};
+  const T xy2 = A.xy * A.xy, xz2 = A.xz * A.xz, yz2 = A.yz * A.yz;
+  const T outer = xy2 + xz2 + yz2;
+  const T p2 = S(1.0 / 6.0) * (A.xx * A.xx + A.yy * A.yy + A.zz * A.zz + (outer + outer));
+  const T p = square_root(p2);
+  const T det = A.xx * (A.yy * A.zz - yz2) - A.yy * xz2 - A.zz * xy2 + S(2) * (A.xy * A.xz * A.yz);
+  // Where b is a multiple of I to rounding, any r will do.
+  const T floor = at_least(p, S(1e-9) * q.mean + T(kTiny<T>));
+  const T inverse = T(1) / floor;
+  const T ratio = S(0.5) * det * inverse * (inverse * inverse);
+  const auto mirrored = ratio < T(0);
+  const T r = at_most(absolute(ratio), T(1));
+  // Interpolation at Chebyshev nodes, within 5e-6; each of Newton's steps doubles the digits.
+  T t = T(S(0.866030432022691)) +
+        r * (T(S(0.16641172178759583)) +
+             r * (T(S(-0.045921933130763676)) + r * (T(S(0.01751218857521032)) + r * S(-0.004035398716655251))));
+  constexpr int kSteps = sizeof(S) == 4 ? 1 : 2;
+  for (int k = 0; k < kSteps; ++k) {
+    const T t2 = t * t;
+    t = (S(8) * t * t2 + r) / (S(12) * t2 - T(3));
+  }
+  const T s = S(1.7320508075688772) * square_root(at_least(T(1) - t * t, T(0)));
+  const T size = select(mirrored, -p, p);
+  q.offset = {size * (t + t), size * (s - t), -(size * (s + t))};
+  for (int i = 0; i < 3; ++i) q.value[i] = q.mean + q.offset[i];
+  // A² + a₃ A + a₁ a₂, since the offsets a sum to zero.
+  const T& a3 = q.offset.z;
+  const T product = q.offset.x * q.offset.y;
+  q.quadratic = {A.xx * (A.xx + a3) + (xy2 + xz2) + product, A.yy * (A.yy + a3) + (xy2 + yz2) + product,
+                 A.zz * (A.zz + a3) + (xz2 + yz2) + product, A.xy * (A.xx + A.yy + a3) + A.xz * A.yz,
+                 A.xz * (A.xx + A.zz + a3) + A.xy * A.yz,    A.yz * (A.yy + A.zz + a3) + A.xy * A.xz};
+  return q;
+}
+
+template <class T>
+PHYSMAS_INLINE T smallest(const Vec3<T>& a) {
+  return at_most(at_most(a.x, a.y), a.z);
+}
+template <class T>
+PHYSMAS_INLINE T largest(const Vec3<T>& a) {
+  return at_least(at_least(a.x, a.y), a.z);
+}
+
+// f(b) from f₁ and the divided differences f₁₂ and f₁₂₃.
+template <class T>
+PHYSMAS_INLINE Symmetric<T> isotropic(const Spectrum<T>& q, const T& f1, const T& f12, const T& f123) {
+  const Symmetric<T>&A = q.deviator, &D = q.quadratic;
+  const T diagonal = f1 - f12 * q.offset.x;
+  return {diagonal + f12 * A.xx + f123 * D.xx,
+          diagonal + f12 * A.yy + f123 * D.yy,
+          diagonal + f12 * A.zz + f123 * D.zz,
+          f12 * A.xy + f123 * D.xy,
+          f12 * A.xz + f123 * D.xz,
+          f12 * A.yz + f123 * D.yz};
+}
+
+// (f₁₂ − f₂₃) / (λ₁ − λ₃). Zero where all eigenvalues are the same to rounding: its factor is the square of their
+// distance.
+template <class T>
+PHYSMAS_INLINE T second_difference(const Spectrum<T>& q, const T& f12, const T& f23) {
+  const T gap = q.offset.x - q.offset.z;
+  const auto apart = absolute(gap) > kEpsilon<T> * q.mean;
+  return select(apart, (f12 - f23) / select(apart, gap, T(1)), T(0));
+}
+
+// (log a − log b) / (a − b) for positive a, b whose logarithms are given. For close numbers the series of
+// 2 atanh(z) / (a − b), z = (a − b) / (a + b): the logarithms' difference has lost its digits there.
+template <class T>
+PHYSMAS_INLINE T log_difference(const T& a, const T& b, const T& gap, const T& log_a, const T& log_b) {
+  using S = Scalar<T>;
+  const T inverse = T(1) / (a + b);
+  const T z = gap * inverse, z2 = z * z;
+  const auto close = z2 < T(S(0.01));
+  constexpr int kTerms = sizeof(S) == 4 ? 4 : 8;  // z² < 0.01: the first term left out is below rounding
+  T series(S(2) / S(2 * kTerms + 1));
+  for (int k = kTerms - 1; k >= 0; --k) series = series * z2 + T(S(2) / S(2 * k + 1));
+  return select(close, series * inverse, (log_a - log_b) / select(close, T(1), gap));
+}
+
+// sinh(y) / y.
+template <class T>
+PHYSMAS_INLINE T sinh_over(const T& y) {
+  using S = Scalar<T>;
+  const T y2 = y * y;
+  const auto close = y2 < T(S(0.25));
+  constexpr int kTerms = sizeof(S) == 4 ? 3 : 7;
+  T series(1);
+  for (int k = kTerms; k >= 1; --k) series = series * y2 * S(1.0 / (2.0 * k * (2.0 * k + 1))) + T(1);
+  if (all(close)) return series;
+  const T e = exponential(y);
+  return select(close, series, S(0.5) * (e - T(1) / e) / select(close, T(1), y));
+}
+
+// V = √b, the symmetric left stretch of F. The divided differences of a square root are rational.
+template <class T>
+PHYSMAS_INLINE Symmetric<T> left_stretch(const Spectrum<T>& q) {
+  Vec3<T> s;
+  for (int i = 0; i < 3; ++i) s[i] = square_root(at_least(q.value[i], T(0)));
+  const T s12 = s.x + s.y, s23 = s.y + s.z, s13 = s.x + s.z;
+  const T f12 = T(1) / at_least(s12, T(kTiny<T>));
+  return isotropic(q, s.x, f12, -f12 / at_least(s23 * s13, T(kTiny<T>)));
+}
+
+}  // namespace physmas::mpm
+
+#endif

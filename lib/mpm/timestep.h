@@ -1,0 +1,61 @@
+// The step that follows the state ("cfl"): bounded by the fastest wave and by the motion of the particles, without a
+// cap. Derivation in docs/numerics.md.
+#ifndef PHYSMAS_MPM_TIMESTEP_H
+#define PHYSMAS_MPM_TIMESTEP_H
+
+#include "mpm/schedule.h"
+#include "mpm/stepper.h"
+
+namespace physmas::mpm {
+
+// What bounds the step of one state.
+struct StepBounds {
+  double wave = 0;      // s: largest stable step, min over particles of dx √(ρ/a), a from stiffness.h
+  double speed = 0;     // m/s: fastest particle
+  double gradient = 0;  // 1/s: largest Frobenius norm of a velocity gradient
+};
+// O(N), over the setup's team; independent of the number of threads.
+StepBounds measure_bounds(const StepperSetup& setup, const State& state);
+
+// The step chosen for a state: the smallest of `largest`, 0.7 of the wave bound, the time in which the fastest particle
+// crosses a fifth of a cell under gravity, and the time in which a velocity gradient strains by 0.3.
+double choose_step(const StepBounds& bounds, const Domain& domain, double largest);
+
+// Statistics of a run with adaptive steps.
+struct StepHistory {
+  double smallest_dt = 0, largest_dt = 0;  // s, of the substeps kept
+  double time = 0;                         // s, covered by the substeps kept
+  long long steps = 0;                     // substeps kept
+  long long retries = 0;                   // chunks done again with a smaller step
+  long long discarded_steps = 0;           // substeps of the attempts that were thrown away
+};
+
+// Integrates output intervals in chunks of at most 64 substeps. The step is chosen at the start of a chunk from the
+// state found there. A chunk whose end no longer admits its step, or that ends with a fault, is thrown away and done
+// again with a smaller one, a bounded number of times.
+class AdaptiveStepping {
+ public:
+  // largest_dt [s]: never exceeded; end [s]: when the run ends; max_steps: budget of the run, discarded ones included.
+  AdaptiveStepping(const StepperSetup& setup, double largest_dt, double end, long long max_steps);
+
+  // Advances from time `start` by `duration` [s]. The stepper holds `state`; both hold the end state afterwards, or the
+  // last good one when the report names a fault: that of the last attempt, or StepFault::budget when the steps are used
+  // up or, at the start of the run, will not suffice at the present step. report.steps counts the substeps kept and,
+  // when there is a fault, those up to the faulty one.
+  StepReport advance(Stepper& stepper, State& state, const ActionPlan& actions, double start, double duration,
+                     double energy_limit);
+
+  const StepHistory& history() const { return history_; }
+
+ private:
+  bool admits(const StepBounds& end, const StepReport& report, double dt) const;
+
+  const StepperSetup& setup_;
+  double largest_dt_, end_;
+  long long max_steps_, steps_done_ = 0;
+  StepHistory history_;
+};
+
+}  // namespace physmas::mpm
+
+#endif
