@@ -8,7 +8,7 @@ namespace {
 using mpm::Problem;
 using mpm::Vec3d;
 
-constexpr double kFloor = 0.4;  // m
+constexpr double kFloor = 0.5;  // m, a plane of nodes of every grid of the study
 
 Problem scene(const std::vector<mpm::Material>& materials, bool on_floor) {
   Problem p;
@@ -59,7 +59,7 @@ AccuracyCase two_object_impact(double h) {
                  0.3,
                  0.4};
   c.problem = scene({{Branch::jelly, 1e5, 0.3, 1000}, {Branch::metal, 5e5, 0.3, 2000}}, false);
-  const Vec3d centers[] = {{0.803, 0.997, 0.95}, {1.203, 1.003, 1.05}};
+  const Vec3d centers[] = {{0.803, 0.997, 0.75}, {1.203, 1.003, 0.85}};
   for (int row = 0; row < 2; ++row) {
     const Vec3d m = centers[row], edge = {0.15, 0.15, 0.15};
     seed(c.problem, m - edge, m + edge, h, row, [&](const Vec3d& x) { return norm(x - m) < 0.15; });
