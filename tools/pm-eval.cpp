@@ -99,7 +99,7 @@ int accuracy(const AccuracyOptions& options, int threads) {
   }
   if (cases.empty())
     throw Error(ExitCode::usage, fmt::format("--case: found \"{}\", expected one of {}", options.only, known));
-  Progress progress("setting", static_cast<long>(cases.size() * (plan.settings.size() + 1)));
+  Progress progress("setting", static_cast<long>(cases.size() * (plan.settings.size() + 2)));
   long done = 0;
   std::vector<eval::AccuracyStudy> studies;
   for (const eval::AccuracyCase& c : cases)

@@ -146,7 +146,8 @@ AccuracyStudy run_accuracy(const AccuracyCase& setup, const AccuracyPlan& plan, 
   AccuracyStudy study;
   study.setup = setup;
   const AccuracySetting finest{plan.reference_n, fixed_step(plan.reference_dt), mpm::Precision::full, threads};
-  Trace reference = trace(subdivide(setup.problem, plan.spacing), finest, plan.frame_dt, setup.duration, 8);
+  const mpm::Problem fine = subdivide(setup.problem, plan.spacing);
+  Trace reference = trace(fine, finest, plan.frame_dt, setup.duration, 8);
   progress();
   const mpm::Result& r = reference.result;
   if (r.status != mpm::Status::stable)
@@ -154,6 +155,11 @@ AccuracyStudy run_accuracy(const AccuracyCase& setup, const AccuracyPlan& plan, 
   study.reference = {static_cast<long long>(8 * setup.problem.particles.size()), r.steps,
                      r.seconds_particles + r.seconds_grid + r.seconds_sort};
   Judge judge(setup, plan.spacing, std::move(reference));
+  AccuracySetting doubled = finest;
+  doubled.step = fixed_step(2 * plan.reference_dt);
+  const Trace check = trace(fine, doubled, plan.frame_dt, setup.duration, 8);
+  if (check.result.status == mpm::Status::stable) judge.judge(check, study.reference.doubled_step);
+  progress();
   for (const AccuracySetting& setting : plan.settings) {
     AccuracyResult result;
     result.setting = setting;

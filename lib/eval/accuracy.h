@@ -59,6 +59,9 @@ struct AccuracyResult {
 struct AccuracyReference {
   long long particles = 0, steps = 0;
   double seconds = 0;
+  // Errors of the same run with twice the step: how far the reference itself depends on it. Errors of that size mean
+  // nothing.
+  double doubled_step[kAccuracyMetrics] = {-1, -1, -1, -1, -1};
 };
 
 struct AccuracyStudy {

@@ -34,6 +34,10 @@ Json study_json(const AccuracyStudy& study) {
   json["size"] = study.setup.size;
   json["duration"] = study.setup.duration;
   json["reference"] = {{"particles", study.reference.particles}, {"steps", study.reference.steps}};
+  for (int m = 0; m < kAccuracyMetrics; ++m) {
+    const double error = study.reference.doubled_step[m];
+    json["reference"]["doubled_step"][kAccuracyMetricNames[m]] = error >= 0 ? Json(error) : Json();
+  }
   json["results"] = Json::array();
   for (const AccuracyResult& r : study.results) {
     Json entry;
@@ -134,6 +138,8 @@ std::string figure(const std::vector<AccuracyStudy>& studies, int metric) {
     std::string line;
     for (const auto& [seconds, error] : best) line += fmt::format("{:.6g} {:.6g}\n", seconds, error);
     add_block(line, "with linespoints pt 6 ps 2 lc rgb 'black' lw 1");
+    if (study.reference.doubled_step[metric] > 0 && !plots.empty())
+      plots += fmt::format(", {:.6g} with lines lc rgb '#888888' dt 2", study.reference.doubled_step[metric]);
     if (!plots.empty()) text += data + fmt::format("set title '{}'\n", study.setup.name) + plots + "\n";
   }
   // The last panel is the legend.
@@ -146,7 +152,9 @@ std::string figure(const std::vector<AccuracyStudy>& studies, int metric) {
     text += fmt::format("2 with points pt 7 ps 1.1 lc rgb '{}' title 'grid {}', ", kColours[colour++ % 6], n);
   for (const auto& [kind, name] : shapes)
     text += fmt::format("2 with points pt {} ps 1.1 lc rgb 'black' title '{}', ", kind, name);
-  return text + "2 with linespoints pt 6 ps 2 lc rgb 'black' title 'Pareto-optimal'\nunset multiplot\n";
+  return text +
+         "2 with linespoints pt 6 ps 2 lc rgb 'black' title 'Pareto-optimal', "
+         "2 with lines lc rgb '#888888' dt 2 title 'the reference with twice its step'\nunset multiplot\n";
 }
 
 }  // namespace

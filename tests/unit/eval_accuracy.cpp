@@ -75,14 +75,16 @@ TEST_CASE("accuracy: a run that is refined comes closer to its reference") {
   c.duration = 0.24;
   int calls = 0;
   const AccuracyStudy study = run_accuracy(c, plan, 1, [&] { ++calls; });
-  CHECK(calls == 4);
+  CHECK(calls == 5);
   REQUIRE(study.results.size() == 3);
+  CHECK(study.reference.doubled_step[0] > 0);
+  CHECK(study.reference.doubled_step[0] < study.results[0].error[0]);
   for (int m = 0; m < kAccuracyMetrics; ++m) {
     INFO(kAccuracyMetricNames[m]);
     CHECK(study.results[1].error[m] >= 0);
     CHECK(study.results[1].error[m] < study.results[0].error[m]);
   }
   CHECK(study.results[1].error[0] < 0.1);  // of the object's size
-  CHECK(!study.results[2].stable);          // 20 ms steps cannot be integrated: said, not measured
+  CHECK(!study.results[2].stable);         // 20 ms steps cannot be integrated: said, not measured
   CHECK(study.results[2].error[0] == -1);
 }
