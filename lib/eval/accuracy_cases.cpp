@@ -72,13 +72,13 @@ AccuracyCase two_object_impact(double h) {
 
 AccuracyCase soft_on_stiff(double h) {
   AccuracyCase c{"soft-on-stiff",
-                 "A Jelly block, 20 kPa, falls 0.05 m onto a Metal plate of 10 MPa that lies on the floor.",
+                 "A Jelly block, 20 kPa, falls 0.15 m onto a Metal plate of 10 MPa that lies on the floor.",
                  {},
                  0.4,
                  0.4};
   c.problem = scene({{Branch::metal, 1e7, 0.35, 2500}, {Branch::jelly, 2e4, 0.35, 800}}, true);
   seed(c.problem, {0.803, 0.797, kFloor}, {1.203, 1.197, kFloor + 0.085}, h, 0);
-  seed(c.problem, {0.883, 0.877, kFloor + 0.135}, {1.123, 1.117, kFloor + 0.375}, h, 1);
+  seed(c.problem, {0.883, 0.877, kFloor + 0.235}, {1.123, 1.117, kFloor + 0.475}, h, 1);
   return c;
 }
 
