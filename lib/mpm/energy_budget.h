@@ -176,8 +176,8 @@ double affine_kinetic(const V& mass, const Vec3<V>& v, const Mat3<V>& C, double 
 template <class V>
 struct GroupMotion {
   V mass, volume;
-  Vec3<V> x;                     // after the substep, in cells from `origin`
-  Mat3<V> F_before, F_trial, F;  // before the substep, before and after the return map
+  Vec3<V> x;                       // after the substep, in cells from `origin`
+  Mat3<V> F_before, F_trial, F;    // before the substep, before and after the return map
   Vec3<V> v_gathered, v, v_moved;  // before and after controls; what the place moved with
   Mat3<V> C_gathered, C, C_moved;  // likewise; what F advanced with
 };
