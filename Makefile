@@ -203,6 +203,18 @@ $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(LIBRARY)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
 
+# --- Numerics -----------------------------------------------------------------------------------------------------
+
+# Measure on a quiet machine; `make accuracy DOCS=1` also puts the plots of docs/numerics.md in their place.
+ACCURACY ?= runs/accuracy
+.PHONY: accuracy verification
+accuracy: $(BIN)/pm-eval ## Error of the solver against run time: JSON, CSV and plots in runs/accuracy
+	$(Q)$(BIN)/pm-eval accuracy --out $(ACCURACY)
+	$(if $(DOCS),$(Q)cp $(ACCURACY)/accuracy-position.png $(ACCURACY)/accuracy-strain.png $(ACCURACY)/accuracy-energy.png docs/images/)
+
+verification: $(BIN)/pm-eval ## The solver against analytic answers, under refinement
+	$(Q)$(BIN)/pm-eval verification --out runs/verification.json
+
 # --- Housekeeping -------------------------------------------------------------------------------------------------
 
 PREFIX ?= /usr/local

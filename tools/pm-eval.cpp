@@ -1,9 +1,15 @@
 // pm-eval: measure finished runs.
 #include <fmt/format.h>
 
+#include <thread>
+
 #include "base/command_line.h"
+#include "base/log.h"
+#include "candidate/timestep.h"
+#include "eval/accuracy_report.h"
 #include "eval/gaussian_tracks.h"
 #include "eval/motion.h"
+#include "eval/verification.h"
 #include "records/inventory.h"
 #include "records/metrics.h"
 #include "records/plan.h"
@@ -65,17 +71,110 @@ int motion(const Options& options) {
   return 0;
 }
 
+// The step that pm-candidates records for rows of these materials, with the fallback of the whole-object row.
+double paper_step(const std::vector<mpm::Material>& materials) {
+  std::vector<CandidateRow> rows;
+  for (const mpm::Material& m : materials) {
+    CandidateRow row;
+    row.branch = m.branch;
+    row.E = m.E, row.nu = m.nu, row.rho = m.rho;
+    rows.push_back(row);
+  }
+  return candidate::step_size(rows, WholeObject{}, RunSpecification::Time{}).dt;
+}
+
+struct AccuracyOptions {
+  std::string out, only;
+  bool quick = false;
+};
+
+int accuracy(const AccuracyOptions& options, int threads) {
+  if (threads <= 0) threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const eval::AccuracyPlan plan = eval::accuracy_plan(options.quick, threads, paper_step);
+  std::vector<eval::AccuracyCase> cases;
+  std::string known;
+  for (eval::AccuracyCase& c : eval::accuracy_cases(plan.spacing)) {
+    known += (known.empty() ? "" : ", ") + c.name;
+    if (options.only.empty() || c.name == options.only) cases.push_back(std::move(c));
+  }
+  if (cases.empty())
+    throw Error(ExitCode::usage, fmt::format("--case: found \"{}\", expected one of {}", options.only, known));
+  Progress progress("setting", static_cast<long>(cases.size() * (plan.settings.size() + 2)));
+  long done = 0;
+  std::vector<eval::AccuracyStudy> studies;
+  for (const eval::AccuracyCase& c : cases)
+    studies.push_back(eval::run_accuracy(c, plan, threads, [&] { progress.update(++done); }));
+  Provenance provenance;
+  provenance.tool = "pm-eval";
+  provenance.options = {
+      {"metric", "accuracy"}, {"quick", options.quick ? "yes" : "no"}, {"threads", std::to_string(threads)}};
+  if (!options.only.empty()) provenance.options.emplace_back("case", options.only);
+  const std::string command =
+      fmt::format("pm-eval accuracy --out DIR{}{} --threads {}", options.quick ? " --quick" : "",
+                  options.only.empty() ? "" : " --case " + options.only, threads);
+  eval::write_accuracy(options.out, studies, plan, command, provenance);
+  fmt::print("{}", eval::accuracy_table(studies));
+  return 0;
+}
+
+CLI::App* add_accuracy(CLI::App& app, AccuracyOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("accuracy", "Error of the solver against run time over grid, step, precision and threads");
+  command->add_option("--out", options.out, "Folder for accuracy.json, accuracy.csv and the plots")->required();
+  command->add_option("--case", options.only, "Only this case");
+  command->add_flag("--quick", options.quick, "Coarse grids, few steps, one repeat: a few seconds");
+  return command;
+}
+
+struct VerificationOptions {
+  std::string out;
+  bool quick = false;
+};
+
+int verification(const VerificationOptions& options) {
+  const std::vector<eval::VerificationRow> rows = eval::verify(options.quick);
+  Json json;
+  json["rows"] = Json::array();
+  for (const eval::VerificationRow& r : rows) {
+    json["rows"].push_back({{"quantity", r.name},
+                            {"resolution", r.resolution},
+                            {"expected", r.expected},
+                            {"measured", r.measured},
+                            {"error", r.error()},
+                            {"order", r.order != 0 ? Json(r.order) : Json()},
+                            {"source", r.source}});
+  }
+  Provenance provenance;
+  provenance.tool = "pm-eval";
+  provenance.options = {{"metric", "verification"}, {"quick", options.quick ? "yes" : "no"}};
+  save_record(options.out, "verification", provenance, json);
+  fmt::print("{}", eval::verification_table(rows));
+  return 0;
+}
+
+CLI::App* add_verification(CLI::App& app, VerificationOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "verification", "The solver against analytic answers under refinement: a table, and the same as a record");
+  command->add_option("--out", options.out, "Record to write (JSON)")->required();
+  command->add_flag("--quick", options.quick, "Only the coarsest resolutions");
+  return command;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
+  VerificationOptions verification_options;
+  AccuracyOptions accuracy_options;
+  CLI::App *verification_command = nullptr, *accuracy_command = nullptr;
   return run_tool(
       argc, argv,
       {"pm-eval", "Measure finished runs.",
        "Example: pm-eval motion --scene scene.json --inventory inventory.json --state state.h5 --rollout rollouts/a.h5 "
        "--reference rollouts/b.h5 --out metrics.json\n"
-       "The other evaluations of the design (clip, aggregate, upr, accuracy, stability) are not built yet.\n"
-       "Reads physmas/scene/1, inventory/1, state/1, rollout/1; writes physmas/metrics/1.",
+       "         pm-eval accuracy --out accuracy; pm-eval verification --out verification.json\n"
+       "The other evaluations of the design (clip, aggregate, upr, stability) are not built yet.\n"
+       "Reads physmas/scene/1, inventory/1, state/1, rollout/1; writes physmas/metrics/1, verification/1, accuracy/1.",
        [&](CLI::App& app) {
          CLI::App* command = app.add_subcommand(
              "motion", "Trajectory, area and strain errors against a reference rollout of the same state");
@@ -86,7 +185,13 @@ int main(int argc, char** argv) {
          command->add_option("--reference", options.reference, "Rollout to measure against")->required();
          command->add_option("--target", options.target, "Object id or row key; the whole scene by default");
          command->add_option("--out", options.out, "Metrics to write")->required();
+         verification_command = add_verification(app, verification_options);
+         accuracy_command = add_accuracy(app, accuracy_options);
          app.require_subcommand(1);
        },
-       [&](const CommonOptions&) { return motion(options); }});
+       [&](const CommonOptions& common) {
+         if (accuracy_command->parsed()) return accuracy(accuracy_options, common.threads);
+         if (verification_command->parsed()) return verification(verification_options);
+         return motion(options);
+       }});
 }

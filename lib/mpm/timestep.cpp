@@ -24,6 +24,7 @@ void add(StepReport& total, const StepReport& part) {
   total.max_speed = std::max(total.max_speed, part.max_speed);
   total.control_work += part.control_work;
   total.particles_clamped = std::max(total.particles_clamped, part.particles_clamped);
+  total.energy.add(part.energy);
 }
 
 void add_time(StepReport& total, const StepReport& part) {

@@ -30,3 +30,23 @@ motion() { "$bin/pm-eval" motion --scene bundle/scene.json --inventory inventory
   motion --rollout rollouts/coarse.h5 --target lollipop
   ! grep -A2 '"trajectory_nrmse"' metrics.json | grep -q '"value": 0.0,'
 }
+
+@test "pm-eval accuracy: a quick study with its files" {
+  "$bin/pm-eval" accuracy --quick --threads 1 --out study
+  for name in jelly-drop plasticine-press sand-collapse two-object-impact soft-on-stiff; do
+    grep -q "\"$name\"" study/accuracy.json
+    grep -q "^$name,24,cfl,float,1,stable," study/accuracy.csv
+  done
+  grep -q '"processor"' study/accuracy.json
+  grep -q '"pareto"' study/accuracy.json
+  if command -v gnuplot >/dev/null; then
+    for metric in position trajectory area strain energy; do [ -s "study/accuracy-$metric.png" ]; done
+  fi
+  fails_with 2 "$bin/pm-eval" accuracy --out study --case nothing -- "nothing" "jelly-drop"
+}
+
+@test "pm-eval verification: the coarsest resolutions, as a table and a record" {
+  "$bin/pm-eval" verification --quick --out verification.json >table
+  grep -q 'bar: frequency' table
+  grep -q '"physmas/verification/1"' verification.json
+}

@@ -86,6 +86,37 @@ TEST_CASE("mpm constitutive: jelly and metal keep their potential under inversio
   }
 }
 
+TEST_CASE("mpm constitutive: Sand, Snow and Plasticine follow the gradient of their energy where nothing yields") {
+  std::mt19937 random(31);
+  for (const Branch branch : {Branch::sand, Branch::snow, Branch::plasticine}) {
+    const auto p = parameters(branch);
+    for (int k = 0; k < 100; ++k) {
+      // Pressed, and hardly sheared: inside the cones of all three, and below plasticine's strength.
+      const Mat3d F = 0.98 * (identity<double>() + random_matrix(random, 1e-3));
+      Mat3d after = F;
+      double strength = p.yield;
+      const Mat3d tau = update_branch(branch, p, 1e-4, after, strength);
+      INFO(branch_name(branch));
+      CHECK(distance(after, F) == 0);
+      CHECK(distance(tau, numerical_stress(branch, p, F)) / (p.lambda + 2 * p.mu) < 1e-7);
+    }
+  }
+}
+
+TEST_CASE("mpm constitutive: below the floor of stretches the Hencky stress along that axis is still the gradient") {
+  // Across it, the stress leaves out the coupling lambda (s / floor - 1) of the continued energy (docs/numerics.md).
+  const auto p = parameters(Branch::foam);
+  for (const double s : {0.04, 0.01, -0.02, -0.4}) {
+    const Mat3d F = diagonal(1.1, 0.9, s);
+    const Mat3d tau = elastic_stress(Branch::foam, p, F), gradient = numerical_stress(Branch::foam, p, F);
+    const double coupling = p.lambda * (s / kStretchFloor - 1);
+    // Differences of energies of ten moduli.
+    CHECK(std::fabs(tau[2].z - gradient[2].z) < 1e-6 * p.mu);
+    CHECK(std::fabs(tau[0].x + coupling - gradient[0].x) < 1e-6 * p.mu);
+    CHECK(std::fabs(tau[1].y + coupling - gradient[1].y) < 1e-6 * p.mu);
+  }
+}
+
 TEST_CASE("mpm constitutive: an inverted element is pulled back through zero") {
   for (const Branch branch : kElastic) {
     const auto p = parameters(branch);

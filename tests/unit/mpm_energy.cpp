@@ -138,6 +138,17 @@ TEST_CASE("mpm energy budget: measuring changes nothing but rounding, whatever t
   }
 }
 
+TEST_CASE("mpm energy budget: steps that follow the state are added up as well") {
+  const Problem p = thrown_block(Branch::jelly);
+  Options o = options();
+  o.measure_steps = true;
+  const Outcome out = simulate(p, {4, 0.04, 100, StepRule::cfl}, o);
+  REQUIRE(out.result.status == Status::stable);
+  const Balance &first = out.result.balances.front(), &last = out.result.balances.back();
+  CHECK(last.budget.change == doctest::Approx(last.energy() - first.energy()).epsilon(1e-9));
+  CHECK(std::fabs(last.budget.residual()) < 0.1 * first.kinetic);
+}
+
 TEST_CASE("mpm energy residual: frames alone show energy from nowhere, and nothing when nothing was measured") {
   const Problem p = thrown_block(Branch::jelly);
   Options o = options();
