@@ -1,9 +1,13 @@
-// pm-eval: measure finished runs.
+// pm-eval: measure finished runs, and the solver.
 #include <fmt/format.h>
 
+#include "base/clock.h"
 #include "base/command_line.h"
+#include "base/log.h"
+#include "candidate/timestep.h"
 #include "eval/gaussian_tracks.h"
 #include "eval/motion.h"
+#include "eval/stability_report.h"
 #include "records/inventory.h"
 #include "records/metrics.h"
 #include "records/plan.h"
@@ -15,6 +19,7 @@ namespace {
 
 struct Options {
   std::string scene, inventory, state, rollout, reference, target, out;
+  bool quick = false;
 };
 
 std::vector<uint8_t> target_mask(const Inventory& inventory, const State& state, const std::string& target) {
@@ -65,17 +70,57 @@ int motion(const Options& options) {
   return 0;
 }
 
+// The step that pm-candidates records for rows of these materials, with the fallback of the whole-object row.
+double paper_step(const std::vector<mpm::Material>& materials) {
+  std::vector<CandidateRow> rows;
+  for (const mpm::Material& m : materials) {
+    CandidateRow row;
+    row.branch = m.branch;
+    row.E = m.E, row.nu = m.nu, row.rho = m.rho;
+    rows.push_back(row);
+  }
+  return candidate::step_size(rows, WholeObject{}, RunSpecification::Time{}).dt;
+}
+
+int stability(const Options& options, int threads) {
+  const Stopwatch watch;
+  const std::vector<eval::StabilityCase> cases = eval::stability_cases(options.quick);
+  Progress bar("case", static_cast<long>(cases.size()));
+  std::mutex one_at_a_time;
+  const std::vector<eval::StabilityRun> runs = eval::run_stability(cases, paper_step, threads, [&](long done, long) {
+    const std::lock_guard<std::mutex> lock(one_at_a_time);
+    bar.update(done);
+  });
+  Provenance provenance;
+  provenance.tool = "pm-eval";
+  provenance.options = {{"metric", "stability"}, {"cases", options.quick ? "quick" : "all"}};
+  eval::write_stability(options.out, runs, paper_step, watch.seconds(), provenance);
+  fmt::print("{:<11} {:<6} {:<7} {:>6} {:>7} {:>9} {:>8} {:>17}\n", "study", "rule", "", "runs", "stable", "diverged",
+             "garbage", "latest detection");
+  long bad = 0;
+  for (const eval::StabilityCount& c : eval::count_stability(runs)) {
+    fmt::print("{:<11} {:<6} {:<7} {:>6} {:>7} {:>9} {:>8} {:>17}\n", c.study, c.rule, c.precision, c.runs, c.stable,
+               c.diverged, c.garbage, c.latest);
+    bad += c.garbage + (c.rule == "cfl" ? c.diverged : 0);
+  }
+  if (bad == 0) return 0;
+  log_error(fmt::format("{} runs are garbage, or diverged with steps by cfl; see {}/stability.csv", bad, options.out));
+  return static_cast<int>(ExitCode::internal);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
+  CLI::App* chosen = nullptr;
   return run_tool(
       argc, argv,
       {"pm-eval", "Measure finished runs.",
        "Example: pm-eval motion --scene scene.json --inventory inventory.json --state state.h5 --rollout rollouts/a.h5 "
        "--reference rollouts/b.h5 --out metrics.json\n"
-       "The other evaluations of the design (clip, aggregate, upr, accuracy, stability) are not built yet.\n"
-       "Reads physmas/scene/1, inventory/1, state/1, rollout/1; writes physmas/metrics/1.",
+       "         pm-eval stability --out stability\n"
+       "The other evaluations of the design (clip, aggregate, upr, accuracy) are not built yet.\n"
+       "Reads physmas/scene/1, inventory/1, state/1, rollout/1; writes physmas/metrics/1, stability/1.",
        [&](CLI::App& app) {
          CLI::App* command = app.add_subcommand(
              "motion", "Trajectory, area and strain errors against a reference rollout of the same state");
@@ -86,7 +131,12 @@ int main(int argc, char** argv) {
          command->add_option("--reference", options.reference, "Rollout to measure against")->required();
          command->add_option("--target", options.target, "Object id or row key; the whole scene by default");
          command->add_option("--out", options.out, "Metrics to write")->required();
+         chosen = app.add_subcommand("stability", "Sweep the solver over stiff and extreme input with both step rules");
+         chosen->add_option("--out", options.out, "Folder for stability.json, stability.csv and heat maps")->required();
+         chosen->add_flag("--quick", options.quick, "Some dozens of cases instead of all");
          app.require_subcommand(1);
        },
-       [&](const CommonOptions&) { return motion(options); }});
+       [&](const CommonOptions& common) {
+         return chosen->parsed() ? stability(options, common.threads) : motion(options);
+       }});
 }

@@ -300,6 +300,10 @@ const std::vector<double>& swept_rho() {
   return values;
 }
 
+double stability_dx() {
+  return kDx;
+}
+
 double stable_limit(const Material& material, double dx) {
   return dx * std::sqrt(material.rho / mpm::rest_stiffness(mpm::derive_parameters(material, {})));
 }

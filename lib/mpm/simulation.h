@@ -60,6 +60,7 @@ struct Balance {
   double mass = 0;                     // kg
   double kinetic = 0;                  // J, particle velocities only
   double elastic = 0;                  // J; trial energy for Sand, Snow and Plasticine; 0 when not measured
+  double recoverable = 0;              // J, the part of it in rows that have a potential: Jelly, Metal and Foam
   double gravity = 0;                  // J, relative to the origin of solver space
   double control_work = 0;             // J put in by enforced velocities and impulses since the start (positive parts)
   Vec3d momentum = {0, 0, 0};          // kg m/s
