@@ -31,7 +31,7 @@ struct StabilityRun {
   double limit = 0;         // s, stable_limit of the stiffest row at rest
   double min_J = 1, max_J = 1;
   double surplus = 0;       // largest total energy above that at the start, as a share of what may move
-  double apart = 0;         // cells between its centre of mass and that of the run by cfl in double, at the end
+  double apart = 0;         // cells, root mean square distance of particles from the case by cfl in double, at the end
   long long outside = 0;    // particles that the edge of the grid had to hold
   std::string garbage;      // what an outside look finds wrong with a run that calls itself stable; empty: nothing
 };

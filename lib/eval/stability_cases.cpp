@@ -4,7 +4,6 @@
 
 #include <random>
 
-#include "mpm/stiffness.h"
 
 namespace physmas::eval {
 namespace {
@@ -305,7 +304,7 @@ double stability_dx() {
 }
 
 double stable_limit(const Material& material, double dx) {
-  return dx * std::sqrt(material.rho / mpm::rest_stiffness(mpm::derive_parameters(material, {})));
+  return mpm::rest_limit(mpm::derive_parameters(material, {}), dx);
 }
 
 std::vector<StabilityCase> stability_cases(bool quick) {

@@ -82,7 +82,7 @@ struct Result {
   // one that made the state bad, at the latest: every substep checks every particle.
   long long first_bad_step = -1;
   std::string reason;    // "", "nan" (not finite), "speed" (over a cell per substep), "energy" (more than can be there),
-                         // "budget" (more than max_steps)
+                         // "budget" (more than max_steps), "step" (far above the limit of the material)
   int frames_done = 0;   // output frames handed out
   long long steps = 0;   // substeps done
   double dt = 0;         // s; the mean of the substeps under StepRule::cfl

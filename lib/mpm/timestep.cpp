@@ -84,6 +84,10 @@ StepBounds measure_bounds(const StepperSetup& setup, const State& state) {
   return {setup.domain.dx() * std::sqrt(total.softness), std::sqrt(total.speed), std::sqrt(total.gradient)};
 }
 
+double rest_limit(const MaterialParameters<double>& parameters, double dx) {
+  return dx * std::sqrt(parameters.density / rest_stiffness(parameters));
+}
+
 double choose_step(const StepBounds& bounds, const Domain& domain, double largest) {
   const double path = kCellsPerStep * domain.dx();
   // dt (speed + g dt) = path
