@@ -89,7 +89,8 @@ const char* reason_token(StepFault fault) {
 
 // Total energy may only fall between output frames, but for what controls put in. An unstable step can also saturate
 // at a few times the energy of the motion, below the limit of the substeps' own check: this finds it at the next frame.
-// Rows whose stress has no potential count with their kinetic energy and their weight only.
+// Rows whose stress has no potential count with their kinetic energy and their weight only; what they store at the
+// start may all come back.
 class EnergyWatch {
  public:
   // scale [J]: energy that may move besides a change of height.
@@ -98,13 +99,12 @@ class EnergyWatch {
   bool surplus(const Balance& b) {
     constexpr double kTolerance = 0.1;  // stable runs stay below 0.001 (make stability)
     fall_ = std::max(fall_, std::fabs(b.gravity - start_.gravity));
-    const double gain = total(b) - total(start_) - 2 * b.control_work;
+    const double total = b.kinetic + b.recoverable + b.gravity;
+    const double gain = total - (start_.kinetic + start_.elastic + start_.gravity) - 2 * b.control_work;
     return gain > kTolerance * (scale_ + fall_ + b.control_work);
   }
 
  private:
-  static double total(const Balance& b) { return b.kinetic + b.recoverable + b.gravity; }
-
   Balance start_;
   double scale_, fall_ = 0;
 };
