@@ -16,7 +16,7 @@ constexpr int kFewestSteps = 50;       // of a run by the paper's rule: fewer co
 // Root mean square between a run and its reference. Not asked of the extremes: what bursts from a deformed start falls
 // differently with every step.
 constexpr double kCellsApart = 0.5;
-constexpr double kMostStretch = 1e4;   // an entry of F beyond this is no deformation
+constexpr double kMostStretch = 1e4;  // an entry of F beyond this is no deformation
 
 // The branches whose stress is the gradient of their energy: only there does kinetic + elastic + potential mean
 // something. The stress cut of the others leaves trial energy that was never put in.
@@ -53,8 +53,8 @@ struct Judge {
     x = frame.state.x;
   }
 
-  // Energy that came from nowhere, as a share of what may move: kinetic energy at the start, what is stored in F, a fall
-  // through the block's surroundings, and what actions put in.
+  // Energy that came from nowhere, as a share of what may move: kinetic energy at the start, what is stored in F, a
+  // fall through the block's surroundings, and what actions put in.
   void weigh(const mpm::Balance& b) {
     const double elastic = elastic_counts ? b.elastic : 0;
     const double total = b.kinetic + elastic + b.gravity - 2 * b.control_work;
@@ -71,8 +71,7 @@ mpm::Result run_judged(const StabilityCase& c, const mpm::Timing& timing, mpm::P
   mpm::Options options;
   options.precision = precision;
   options.threads = 1;
-  const mpm::Result result =
-      mpm::run(c.problem, timing, options, [&](const mpm::Frame& frame) { judge.look(frame); });
+  const mpm::Result result = mpm::run(c.problem, timing, options, [&](const mpm::Frame& frame) { judge.look(frame); });
   for (const mpm::Balance& b : result.balances) judge.weigh(b);
   return result;
 }
@@ -153,7 +152,9 @@ StabilityRun run_case(const StabilityCase& c, bool cfl, mpm::Precision precision
   run.surplus = judge.surplus;
   run.outside = result.particles_outside;
   if (!run.stable) {
-    run.late = detection_delay(c, timing, precision, run.first_bad_step);
+    // Under a stress cone the surplus never shows: everything since the start is late.
+    run.late = run.reason == "step" ? run.first_bad_step + 1
+                                    : detection_delay(c, timing, precision, run.first_bad_step);
     return run;
   }
   const double duration = timing.frame_dt * (timing.frames - 1);

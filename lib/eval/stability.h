@@ -28,12 +28,12 @@ struct StabilityRun {
   long long steps = 0;
   double dt = 0, smallest_dt = 0, largest_dt = 0;  // s
   long long retries = 0;
-  double limit = 0;         // s, stable_limit of the stiffest row at rest
+  double limit = 0;  // s, stable_limit of the stiffest row at rest
   double min_J = 1, max_J = 1;
-  double surplus = 0;       // largest total energy above that at the start, as a share of what may move
-  double apart = 0;         // cells, root mean square distance of particles from the case by cfl in double, at the end
-  long long outside = 0;    // particles that the edge of the grid had to hold
-  std::string garbage;      // what an outside look finds wrong with a run that calls itself stable; empty: nothing
+  double surplus = 0;     // largest total energy above that at the start, as a share of what may move
+  double apart = 0;       // cells, root mean square distance of particles from the case by cfl in double, at the end
+  long long outside = 0;  // particles that the edge of the grid had to hold
+  std::string garbage;    // what an outside look finds wrong with a run that calls itself stable; empty: nothing
 };
 
 // Runs every case with both rules in both precisions, `threads` at a time (0: all cores). progress(done, total) is

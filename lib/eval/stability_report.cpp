@@ -19,12 +19,12 @@ std::string to_csv(const std::vector<StabilityRun>& runs) {
       "study,name,rule,precision,branch,E,nu,rho,status,reason,first_bad_step,late,steps,dt,smallest_dt,largest_dt,"
       "retries,limit,min_J,max_J,surplus,apart,outside,garbage\n";
   for (const StabilityRun& r : runs) {
-    text += fmt::format("{},\"{}\",{},{},{},{:g},{:g},{:g},{},{},{},{},{},{:.4g},{:.4g},{:.4g},{},{:.4g},{:.4g},{:.4g},"
-                        "{:.3g},{:.3g},{},{}\n",
-                        r.study, r.name, r.rule, r.precision, r.branch, r.E, r.nu, r.rho,
-                        r.stable ? "stable" : "diverged", r.reason, r.first_bad_step, r.late, r.steps, r.dt,
-                        r.smallest_dt, r.largest_dt, r.retries, r.limit, r.min_J, r.max_J, r.surplus, r.apart,
-                        r.outside, r.garbage);
+    text += fmt::format(
+        "{},\"{}\",{},{},{},{:g},{:g},{:g},{},{},{},{},{},{:.4g},{:.4g},{:.4g},{},{:.4g},{:.4g},{:.4g},"
+        "{:.3g},{:.3g},{},{}\n",
+        r.study, r.name, r.rule, r.precision, r.branch, r.E, r.nu, r.rho, r.stable ? "stable" : "diverged", r.reason,
+        r.first_bad_step, r.late, r.steps, r.dt, r.smallest_dt, r.largest_dt, r.retries, r.limit, r.min_J, r.max_J,
+        r.surplus, r.apart, r.outside, r.garbage);
   }
   return text;
 }
@@ -47,8 +47,7 @@ double border(const PaperStep& paper_step, mpm::Material m, double dx, bool dens
 
 std::string tics(const char* axis, const std::vector<double>& values) {
   std::string list;
-  for (size_t i = 0; i < values.size(); ++i)
-    list += fmt::format("{}'{:g}' {}", i ? ", " : "", values[i], i);
+  for (size_t i = 0; i < values.size(); ++i) list += fmt::format("{}'{:g}' {}", i ? ", " : "", values[i], i);
   return fmt::format("set {}tics ({})\n", axis, list);
 }
 
@@ -86,9 +85,11 @@ std::string map_script(const std::vector<StabilityRun>& runs, const PaperStep& p
         return std::find(values.begin(), values.end(), v) - values.begin();
       };
       const double value = cfl ? (r.stable ? std::log10(0.04 / r.dt) : std::nan(""))
-                               : (r.stable ? 0 : r.reason == "energy" ? 1 : 2);
-      cells += fmt::format("{} {} {:.3g}\n", index(swept_E(), r.E), index(axis.values, axis.is_nu ? r.nu : r.rho),
-                           value);
+                               : (r.stable               ? 0
+                                  : r.reason == "energy" ? 1
+                                                         : 2);
+      cells +=
+          fmt::format("{} {} {:.3g}\n", index(swept_E(), r.E), index(axis.values, axis.is_nu ? r.nu : r.rho), value);
     }
     for (size_t i = 0; i < axis.values.size(); ++i) {
       mpm::Material m = {static_cast<Branch>(b), 1, kMapNu, kMapRho};
@@ -98,9 +99,11 @@ std::string map_script(const std::vector<StabilityRun>& runs, const PaperStep& p
         lines += fmt::format("{:.3f} {:.3f} {}\n", border(paper_step, m, dx, false), border(paper_step, m, dx, true),
                              static_cast<double>(i) + edge);
     }
-    script += fmt::format("$cells << EOD\n{}EOD\n$lines << EOD\n{}EOD\nset title '{}'\nplot $cells using 1:2:3 with image",
-                          cells, lines, kBranchNames[b]);
-    if (!cfl) script += ", $lines using 1:3 with lines lw 2 lc 'black', $lines using 2:3 with lines lw 2 dt 2 lc 'black'";
+    script +=
+        fmt::format("$cells << EOD\n{}EOD\n$lines << EOD\n{}EOD\nset title '{}'\nplot $cells using 1:2:3 with image",
+                    cells, lines, kBranchNames[b]);
+    if (!cfl)
+      script += ", $lines using 1:3 with lines lw 2 lc 'black', $lines using 2:3 with lines lw 2 dt 2 lc 'black'";
     script += "\n";
   }
   return script + "unset multiplot\nreset\n";
@@ -134,10 +137,10 @@ void write_stability(const std::string& folder, const std::vector<StabilityRun>&
   const double dx = stability_dx();
   const MapAxis nu = {"nu", "Poisson ratio", swept_nu(), true};
   const MapAxis rho = {"rho", "density [kg/m^3]", swept_rho(), false};
-  const bool drawn = run_gnuplot(folder, "stability.gp",
-                                 map_script(runs, paper_step, nu, false, dx) +
-                                     map_script(runs, paper_step, rho, false, dx) +
-                                     map_script(runs, paper_step, nu, true, dx));
+  const bool drawn =
+      run_gnuplot(folder, "stability.gp",
+                  map_script(runs, paper_step, nu, false, dx) + map_script(runs, paper_step, rho, false, dx) +
+                      map_script(runs, paper_step, nu, true, dx));
   Json json;
   json["counts"] = Json::array();
   for (const StabilityCount& c : count_stability(runs)) {
@@ -154,8 +157,8 @@ void write_stability(const std::string& folder, const std::vector<StabilityRun>&
   json["garbage"] = Json::array();
   for (const StabilityRun& r : runs) {
     if (r.garbage.empty()) continue;
-    json["garbage"].push_back(fmt::format("{}, {} ({} {:g} {:g} {:g}), {}, {}: {}", r.study, r.name, r.branch, r.E, r.nu,
-                                          r.rho, r.rule, r.precision, r.garbage));
+    json["garbage"].push_back(fmt::format("{}, {} ({} {:g} {:g} {:g}), {}, {}: {}", r.study, r.name, r.branch, r.E,
+                                          r.nu, r.rho, r.rule, r.precision, r.garbage));
   }
   json["plots"] = Json::array();
   std::vector<Omission> omitted;

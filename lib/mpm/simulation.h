@@ -39,8 +39,8 @@ struct Timing {
 
 struct Options {
   Precision precision = Precision::single;
-  int threads = 0;             // 0: all cores. Results do not depend on it, byte for byte
-  bool measure_energy = true;  // elastic energy and the range of det F at output frames
+  int threads = 0;                   // 0: all cores. Results do not depend on it, byte for byte
+  bool measure_energy = true;        // elastic energy and the range of det F at output frames
   long long max_steps = 10'000'000;  // a run that needs more ends as `diverged`, reason "budget"
 };
 
@@ -78,16 +78,16 @@ enum class Status { stable, diverged };
 
 struct Result {
   Status status = Status::stable;
-  // Global substep, counted from 0, in which a fault was found; -1 when stable. A fault shows in the substep after the
-  // one that made the state bad, at the latest: every substep checks every particle.
+  // Global substep, counted from 0, in which a fault was found; -1 when stable. Every substep checks every particle, so
+  // what explodes is found within some substeps; what is too weak for that, at the next output frame.
   long long first_bad_step = -1;
-  std::string reason;    // "", "nan" (not finite), "speed" (over a cell per substep), "energy" (more than can be there),
-                         // "budget" (more than max_steps), "step" (far above the limit of the material)
-  int frames_done = 0;   // output frames handed out
-  long long steps = 0;   // substeps done
-  double dt = 0;         // s; the mean of the substeps under StepRule::cfl
-  double max_speed = 0;  // m/s, over all substeps
-  StepHistory history;  // the range of steps, and retries; no retries under StepRule::fixed
+  std::string reason;   // "", "nan" (not finite), "speed" (over a cell per substep), "energy" (more than can be there),
+                        // "budget" (more than max_steps), "step" (far above the limit of the material)
+  int frames_done = 0;  // output frames handed out
+  long long steps = 0;  // substeps done
+  double dt = 0;        // s; the mean of the substeps under StepRule::cfl
+  double max_speed = 0;             // m/s, over all substeps
+  StepHistory history;              // the range of steps, and retries; no retries under StepRule::fixed
   double min_J = 1, max_J = 1;      // over output frames
   std::vector<Balance> balances;    // one per frame handed out
   long long particles_outside = 0;  // most particles that had to be held at the edge of the grid in one substep

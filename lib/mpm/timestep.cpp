@@ -99,8 +99,7 @@ double choose_step(const StepBounds& bounds, const Domain& domain, double larges
 }
 
 AdaptiveStepping::AdaptiveStepping(const StepperSetup& setup, double largest_dt, double end, long long max_steps)
-    : setup_(setup), largest_dt_(largest_dt), end_(end), max_steps_(max_steps) {
-}
+    : setup_(setup), largest_dt_(largest_dt), end_(end), max_steps_(max_steps) {}
 
 bool AdaptiveStepping::admits(const StepBounds& end, const StepReport& report, double dt) const {
   return dt <= end.wave && dt * std::max(end.speed, report.max_speed) <= kGrowth * kCellsPerStep * setup_.domain.dx() &&

@@ -56,14 +56,10 @@ void save_execution(const std::string& path, const ExecutionRecord& record, cons
   numerical["momentum"] = {{"start", to_json(record.momentum_start)}, {"end", to_json(record.momentum_end)}};
   numerical["energy"] = {{"kinetic", record.kinetic}, {"elastic", record.elastic}, {"potential", record.potential}};
   numerical["particles_outside"] = record.particles_outside;
-  json["steps"] = {{"rule", record.step_rule},
-                   {"per_frame", record.substeps_per_frame},
-                   {"total", record.steps},
-                   {"dt", record.dt},
-                   {"smallest_dt", record.smallest_dt},
-                   {"largest_dt", record.largest_dt},
-                   {"retries", record.retries},
-                   {"discarded", record.discarded_steps}};
+  json["steps"] = {
+      {"rule", record.step_rule},  {"per_frame", record.substeps_per_frame}, {"total", record.steps},
+      {"dt", record.dt},           {"smallest_dt", record.smallest_dt},      {"largest_dt", record.largest_dt},
+      {"retries", record.retries}, {"discarded", record.discarded_steps}};
   json["frames"] = record.frames;
   json["particles"] = record.particles;
   json["grid"] = record.grid;

@@ -25,9 +25,9 @@ struct ExecutionRecord {
   std::string step_rule = "paper";  // paper | cfl | fixed
   int substeps_per_frame = 1;       // cfl: at least
   long steps = 0;
-  double dt = 0;                            // s; cfl: the mean
-  double smallest_dt = 0, largest_dt = 0;   // s
-  long retries = 0, discarded_steps = 0;    // cfl: chunks done again with a smaller step, and substeps thrown away
+  double dt = 0;                           // s; cfl: the mean
+  double smallest_dt = 0, largest_dt = 0;  // s
+  long retries = 0, discarded_steps = 0;   // cfl: chunks done again with a smaller step, and substeps thrown away
   int frames = 0;
   long particles = 0;
   Json grid = Json::object();

@@ -1,4 +1,5 @@
-// The step that follows the state: its bound, its adaptation, rollback, budget; and the extremes of the stability study.
+// The step that follows the state: its bound, its adaptation, rollback, budget; and the extremes of the stability
+// study.
 #include <doctest/doctest.h>
 
 #include "base/error.h"
@@ -76,7 +77,7 @@ TEST_CASE("mpm stiffness: at rest it is 3 kappa or 2 mu, whichever is larger") {
       CHECK(rest_stiffness(p) == rest);
       const double bound = stiffness_bound(branch, p, identity<double>());
       CHECK(bound >= rest);
-      // The coupling of sand's cone is the largest surcharge, sqrt(1 + 3 · 0.3266²) = 1.149, on a shear rounded up by 1 %.
+      // The coupling of sand's cone is the largest surcharge, sqrt(1 + 3 · 0.3266²) = 1.149; shear is rounded up by 1 %.
       CHECK(bound <= 1.17 * rest);
     }
   }
