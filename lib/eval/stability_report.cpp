@@ -68,12 +68,14 @@ std::string map_script(const std::vector<StabilityRun>& runs, const PaperStep& p
       "set xrange [-0.5:{}]\nset yrange [-0.5:{}]\nset xtics rotate by 45 right\n{}{}unset key\n",
       cfl ? "cfl" : "paper", axis.name,
       cfl ? "--timestep cfl: substeps per frame of 0.04 s, log10; white: not stable"
-          : "--timestep paper: green stable; orange, red diverged (energy, speed). Step = limit of a lone particle "
+          : "--timestep paper: green stable; diverged: orange energy, red speed, violet step. Step = limit of a lone "
+            "particle "
             "(solid), of packed material dx/c (dashed)",
       axis.label, static_cast<double>(swept_E().size()) - 0.5, static_cast<double>(axis.values.size()) - 0.5,
       tics("x", swept_E()), tics("y", axis.values));
   script += cfl ? "set palette defined (0 '#f7fbff', 1 '#6baed6', 2 '#08306b')\nset cbrange [2:8]\n"
-                : "set palette maxcolors 3 defined (0 '#7fbf7b', 1 '#fdae61', 2 '#d73027')\nset cbrange [-0.5:2.5]\n"
+                : "set palette maxcolors 4 defined (0 '#7fbf7b', 1 '#fdae61', 2 '#d73027', 3 '#8073ac')\nset cbrange "
+                  "[-0.5:3.5]\n"
                   "unset colorbox\n";
   for (int b = 0; b < kBranchCount; ++b) {
     std::string cells, lines;
@@ -84,10 +86,8 @@ std::string map_script(const std::vector<StabilityRun>& runs, const PaperStep& p
       const auto index = [](const std::vector<double>& values, double v) {
         return std::find(values.begin(), values.end(), v) - values.begin();
       };
-      const double value = cfl ? (r.stable ? std::log10(0.04 / r.dt) : std::nan(""))
-                               : (r.stable               ? 0
-                                  : r.reason == "energy" ? 1
-                                                         : 2);
+      const double diverged = r.reason == "energy" ? 1 : r.reason == "step" ? 3 : 2;
+      const double value = r.stable ? (cfl ? std::log10(0.04 / r.dt) : 0) : (cfl ? std::nan("") : diverged);
       cells +=
           fmt::format("{} {} {:.3g}\n", index(swept_E(), r.E), index(axis.values, axis.is_nu ? r.nu : r.rho), value);
     }
