@@ -111,7 +111,7 @@ endif
 PACKAGES := g++ make libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgproc-dev \
             libopencv-imgcodecs-dev libavcodec-dev \
             libavformat-dev libavutil-dev libswscale-dev nlohmann-json3-dev libvalijson-dev \
-            libssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats python3
+            libssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats python3 gnuplot-nox
 
 # What dpkg does not report as installed. Empty where there is no dpkg: the compiler will tell.
 find_missing = if command -v dpkg-query >/dev/null; then for p in $(PACKAGES); do \
@@ -197,6 +197,12 @@ test-cli: all $(TEST_TOOLS) ## The command-line tests
 .PHONY: bench
 bench: $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%) ## Particle-steps per second of the solver, per branch
 	$(Q)for b in $^; do $$b || exit; done
+
+# --- Studies of the solver ----------------------------------------------------------------------------------------
+
+.PHONY: stability
+stability: $(BIN)/pm-eval ## Sweep the solver over stiff and extreme input: table, CSV and heat maps in STABILITY=runs/stability
+	$(Q)$(BIN)/pm-eval stability --out $(or $(STABILITY),runs/stability) $(if $(THREADS),--threads $(THREADS))
 
 $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(LIBRARY)
 	@mkdir -p $(@D)

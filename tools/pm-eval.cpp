@@ -1,14 +1,17 @@
-// pm-eval: measure finished runs.
+// pm-eval: measure finished runs, and the solver.
 #include <fmt/format.h>
 
+#include <mutex>
 #include <thread>
 
+#include "base/clock.h"
 #include "base/command_line.h"
 #include "base/log.h"
 #include "candidate/timestep.h"
 #include "eval/accuracy_report.h"
 #include "eval/gaussian_tracks.h"
 #include "eval/motion.h"
+#include "eval/stability_report.h"
 #include "eval/verification.h"
 #include "records/inventory.h"
 #include "records/metrics.h"
@@ -160,21 +163,63 @@ CLI::App* add_verification(CLI::App& app, VerificationOptions& options) {
   return command;
 }
 
+struct StabilityOptions {
+  std::string out;
+  bool quick = false;
+};
+
+int stability(const StabilityOptions& options, int threads) {
+  const Stopwatch watch;
+  const std::vector<eval::StabilityCase> cases = eval::stability_cases(options.quick);
+  Progress bar("case", static_cast<long>(cases.size()));
+  std::mutex one_at_a_time;
+  const std::vector<eval::StabilityRun> runs = eval::run_stability(cases, paper_step, threads, [&](long done, long) {
+    const std::lock_guard<std::mutex> lock(one_at_a_time);
+    bar.update(done);
+  });
+  Provenance provenance;
+  provenance.tool = "pm-eval";
+  provenance.options = {{"metric", "stability"}, {"cases", options.quick ? "quick" : "all"}};
+  eval::write_stability(options.out, runs, paper_step, watch.seconds(), provenance);
+  fmt::print("{:<11} {:<6} {:<7} {:>6} {:>7} {:>9} {:>8} {:>17}\n", "study", "rule", "", "runs", "stable", "diverged",
+             "garbage", "latest detection");
+  long bad = 0;
+  for (const eval::StabilityCount& c : eval::count_stability(runs)) {
+    fmt::print("{:<11} {:<6} {:<7} {:>6} {:>7} {:>9} {:>8} {:>17}\n", c.study, c.rule, c.precision, c.runs, c.stable,
+               c.diverged, c.garbage, c.latest);
+    bad += c.garbage + (c.rule == "cfl" ? c.diverged : 0);
+  }
+  if (bad == 0) return 0;
+  log_error(fmt::format("{} runs are garbage, or diverged with steps by cfl; see {}/stability.csv", bad, options.out));
+  return static_cast<int>(ExitCode::internal);
+}
+
+CLI::App* add_stability(CLI::App& app, StabilityOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("stability", "Sweep the solver over stiff and extreme input with both step rules");
+  command->add_option("--out", options.out, "Folder for stability.json, stability.csv and heat maps")->required();
+  command->add_flag("--quick", options.quick, "Some dozens of cases instead of all");
+  return command;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
   VerificationOptions verification_options;
   AccuracyOptions accuracy_options;
-  CLI::App *verification_command = nullptr, *accuracy_command = nullptr;
+  StabilityOptions stability_options;
+  CLI::App *verification_command = nullptr, *accuracy_command = nullptr, *stability_command = nullptr;
   return run_tool(
       argc, argv,
       {"pm-eval", "Measure finished runs.",
        "Example: pm-eval motion --scene scene.json --inventory inventory.json --state state.h5 --rollout rollouts/a.h5 "
        "--reference rollouts/b.h5 --out metrics.json\n"
        "         pm-eval accuracy --out accuracy; pm-eval verification --out verification.json\n"
-       "The other evaluations of the design (clip, aggregate, upr, stability) are not built yet.\n"
-       "Reads physmas/scene/1, inventory/1, state/1, rollout/1; writes physmas/metrics/1, verification/1, accuracy/1.",
+       "         pm-eval stability --out stability\n"
+       "The other evaluations of the design (clip, aggregate, upr) are not built yet.\n"
+       "Reads physmas/scene/1, inventory/1, state/1, rollout/1; writes physmas/metrics/1, verification/1, accuracy/1,\n"
+       "stability/1.",
        [&](CLI::App& app) {
          CLI::App* command = app.add_subcommand(
              "motion", "Trajectory, area and strain errors against a reference rollout of the same state");
@@ -187,11 +232,13 @@ int main(int argc, char** argv) {
          command->add_option("--out", options.out, "Metrics to write")->required();
          verification_command = add_verification(app, verification_options);
          accuracy_command = add_accuracy(app, accuracy_options);
+         stability_command = add_stability(app, stability_options);
          app.require_subcommand(1);
        },
        [&](const CommonOptions& common) {
          if (accuracy_command->parsed()) return accuracy(accuracy_options, common.threads);
          if (verification_command->parsed()) return verification(verification_options);
+         if (stability_command->parsed()) return stability(stability_options, common.threads);
          return motion(options);
        }});
 }

@@ -22,8 +22,9 @@ namespace {
 
 struct CliOptions {
   std::string scene, state, candidate, out;
-  std::string timestep = "paper", precision = "float", energy = "frames";
+  std::string timestep, precision = "float", energy = "frames";  // timestep: empty for the run's rule
   int grid = 0, frames = 0;
+  long long max_steps = mpm::Options().max_steps;
   bool strict = false;
 };
 
@@ -117,9 +118,12 @@ mpm::Particles bind_particles(const State& state) {
   return particles;
 }
 
-// Substeps per output frame: the candidate's, or by the time step given on the command line.
-int choose_substeps(const CliOptions& options, const Candidate& candidate, double frame_dt) {
-  if (options.timestep == "paper") {
+// Substeps per output frame: the candidate's, or by the time step given on the command line. `cfl` takes the base step
+// as its largest and ignores the candidate's.
+int choose_substeps(const CliOptions& options, const std::string& rule, const Candidate& candidate,
+                    const RunSpecification::Time& time) {
+  const double frame_dt = time.frame_dt;
+  if (rule == "paper") {
     if (std::abs(candidate.timestep.substeps * candidate.timestep.dt - frame_dt) > 1e-9 * frame_dt) {
       throw invalid_field(options.candidate, "/timestep/dt", candidate.timestep.dt,
                           fmt::format("{} substeps that fill a frame of {} s", candidate.timestep.substeps, frame_dt),
@@ -127,19 +131,19 @@ int choose_substeps(const CliOptions& options, const Candidate& candidate, doubl
     }
     return candidate.timestep.substeps;
   }
-  if (options.timestep == "cfl")
-    throw Error(ExitCode::usage, "--timestep cfl is not built yet; expected paper or a number of seconds");
   size_t used = 0;
   double seconds = 0;
+  const auto whole = [&](double dt) { return std::max(1, static_cast<int>(std::ceil(frame_dt / dt * (1 - 1e-9)))); };
+  if (rule == "cfl") return whole(time.substep_dt);
   try {
-    seconds = std::stod(options.timestep, &used);
+    seconds = std::stod(rule, &used);
   } catch (const std::exception&) {
   }
-  if (used != options.timestep.size() || !(seconds > 0) || !(frame_dt / seconds < 1e7)) {
-    throw Error(ExitCode::usage, fmt::format("--timestep: found \"{}\", expected paper or a positive number of seconds",
-                                             options.timestep));
+  if (used != rule.size() || !(seconds > 0) || !(frame_dt / seconds < 1e7)) {
+    throw Error(ExitCode::usage,
+                fmt::format("--timestep: found \"{}\", expected paper, cfl or a positive number of seconds", rule));
   }
-  return std::max(1, static_cast<int>(std::ceil(frame_dt / seconds * (1 - 1e-9))));
+  return whole(seconds);
 }
 
 // The terms of the energy budget per output frame, as the record names them.
@@ -160,13 +164,15 @@ std::vector<std::pair<std::string, std::vector<double>>> energy_terms(const std:
 }
 
 ExecutionRecord make_record(const Candidate& candidate, const mpm::Problem& problem, const mpm::Result& result,
-                            const CliOptions& options, int substeps) {
+                            const CliOptions& options, const std::string& rule, int substeps) {
   ExecutionRecord record;
   record.candidate = candidate.id;
   record.diverged = result.status == mpm::Status::diverged;
   if (record.diverged) {
     record.error_tokens.push_back(result.reason);
-    record.reason = fmt::format("{} in substep {}", result.reason, result.first_bad_step);
+    record.reason = result.reason == "budget"
+                        ? fmt::format("more than {} substeps, which --max-steps allows", options.max_steps)
+                        : fmt::format("{} in substep {}", result.reason, result.first_bad_step);
   }
   record.first_bad_step = static_cast<long>(result.first_bad_step);
   record.max_speed = std::isfinite(result.max_speed) ? result.max_speed : 0;
@@ -190,6 +196,11 @@ ExecutionRecord make_record(const Candidate& candidate, const mpm::Problem& prob
   }
   record.particles_outside = static_cast<long>(result.particles_outside);
   record.substeps_per_frame = substeps;
+  record.step_rule = rule == "paper" || rule == "cfl" ? rule : "fixed";
+  record.smallest_dt = result.history.smallest_dt;
+  record.largest_dt = result.history.largest_dt;
+  record.retries = static_cast<long>(result.history.retries);
+  record.discarded_steps = static_cast<long>(result.history.discarded_steps);
   record.steps = static_cast<long>(result.steps);
   record.dt = result.dt;
   record.frames = result.frames_done;
@@ -230,19 +241,24 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   mpm::Timing timing;
   timing.frames = run.time.frames;
   timing.frame_dt = run.time.frame_dt;
-  timing.substeps = choose_substeps(options, candidate, run.time.frame_dt);
+  const std::string rule = options.timestep.empty() ? run.time.rule : options.timestep;
+  timing.substeps = choose_substeps(options, rule, candidate, run.time);
+  if (rule == "cfl") timing.rule = mpm::StepRule::cfl;
   mpm::Options solver;
   solver.precision = options.precision == "double" ? mpm::Precision::full : mpm::Precision::single;
   solver.threads = common.threads;
   solver.measure_energy = options.energy != "off";
   solver.measure_steps = options.energy == "steps";
   solver.track_total_F = run.transport.total;
+  solver.max_steps = options.max_steps;
 
   Provenance provenance;
   provenance.tool = "pm-simulate";
-  provenance.options = {{"timestep", options.timestep}, {"precision", options.precision}, {"energy", options.energy}};
+  provenance.options = {{"timestep", rule}, {"precision", options.precision}, {"energy", options.energy}};
   if (options.grid > 0) provenance.options.emplace_back("grid", std::to_string(options.grid));
   if (options.frames > 0) provenance.options.emplace_back("frames", std::to_string(options.frames));
+  if (options.max_steps != mpm::Options().max_steps)
+    provenance.options.emplace_back("max-steps", std::to_string(options.max_steps));
   for (const std::string& input : {options.scene, options.state, options.candidate}) provenance.add_input(input);
 
   const size_t gaussians = state.gaussian_count();
@@ -263,7 +279,7 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
     progress.update(frame.index + 1);
   });
   rollout.commit();
-  ExecutionRecord record = make_record(candidate, problem, result, options, timing.substeps);
+  ExecutionRecord record = make_record(candidate, problem, result, options, rule, timing.substeps);
   record.deformation = deformation;
   save_execution(fs::path(options.out).replace_extension(".json").string(), record, provenance);
   if (!record.diverged) {
@@ -296,7 +312,12 @@ int main(int argc, char** argv) {
              ->check([](const std::string& path) {
                return fs::path(path).extension() == ".h5" ? std::string() : "--out: expected a name that ends in .h5";
              });
-         app.add_option("--timestep", options.timestep, "paper (the candidate's substeps) or seconds")
+         app.add_option("--timestep", options.timestep,
+                        "paper (the candidate's substeps), cfl (as small as stability asks, changing with the state), "
+                        "or seconds; the run's time.rule by default")
+             ->group("Numerics");
+         app.add_option("--max-steps", options.max_steps, "Substeps after which, or in view of which, the run ends")
+             ->check(CLI::Range(1LL, 1000000000000LL))
              ->capture_default_str()
              ->group("Numerics");
          app.add_option("--precision", options.precision, "float or double")

@@ -4,8 +4,6 @@
 
 #include <random>
 
-#include "mpm/stiffness.h"
-
 namespace physmas::eval {
 namespace {
 
@@ -135,7 +133,9 @@ void add_labels(std::vector<StabilityCase>& cases, bool quick) {
 // ends of what they allow, with the fallback of the whole-object record (5e5 Pa, 0.476, 5000 kg/m³).
 void add_transforms(std::vector<StabilityCase>& cases) {
   const Material bonded = {Branch::plasticine, 5e5, 0.476, 5000};
-  const auto block = [&](const char* name, const Material& m) { cases.push_back(falling_block("transforms", name, m)); };
+  const auto block = [&](const char* name, const Material& m) {
+    cases.push_back(falling_block("transforms", name, m));
+  };
   const auto pair = [&](const char* name, const Material& below, const Material& above) {
     cases.push_back(falling_pair("transforms", name, below, above));
   };
@@ -254,7 +254,8 @@ void add_forced(std::vector<StabilityCase>& cases) {
     cases.push_back(c);
   }
   for (int b = 0; b < kBranchCount; ++b) {
-    StabilityCase c = extreme("stiff, hitting the floor at a fifth of its wave speed", {static_cast<Branch>(b), 3e11, 0.3, 1000});
+    StabilityCase c =
+        extreme("stiff, hitting the floor at a fifth of its wave speed", {static_cast<Branch>(b), 3e11, 0.3, 1000});
     const double speed = 0.2 * wave_speed(c.problem.materials[0]);
     add_block(c.problem, block_corner(), {kEdge, kEdge, kEdge}, 0, {0.3 * speed, 0, -speed});
     c.duration = 2 * kGap / speed + kTransits * kEdge / wave_speed(c.problem.materials[0]);
@@ -275,7 +276,8 @@ void add_crowd(std::vector<StabilityCase>& cases, int count) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> inside(0, kDx);
   for (int i = 0; i < count; ++i) {
-    add_particle(c.problem, {8 * kDx + inside(random), 8 * kDx + inside(random), kFloor + inside(random)}, 0, {0, 0, -1});
+    add_particle(c.problem, {8 * kDx + inside(random), 8 * kDx + inside(random), kFloor + inside(random)}, 0,
+                 {0, 0, -1});
     c.problem.particles.volume.back() = kDx * kDx * kDx / count;
   }
   c.duration = 0.01;
@@ -300,8 +302,12 @@ const std::vector<double>& swept_rho() {
   return values;
 }
 
+double stability_dx() {
+  return kDx;
+}
+
 double stable_limit(const Material& material, double dx) {
-  return dx * std::sqrt(material.rho / mpm::rest_stiffness(mpm::derive_parameters(material, {})));
+  return mpm::rest_limit(mpm::derive_parameters(material, {}), dx);
 }
 
 std::vector<StabilityCase> stability_cases(bool quick) {

@@ -25,6 +25,9 @@ const std::vector<double>& swept_E();    // Pa
 const std::vector<double>& swept_nu();   //
 const std::vector<double>& swept_rho();  // kg/m^3
 
+// Grid spacing of all cases [m]: the paper's.
+double stability_dx();
+
 // Largest stable step of a material at rest [s], dx [m]: dx √(ρ / max(3κ, 2μ)) (docs/numerics.md).
 double stable_limit(const mpm::Material& material, double dx);
 

@@ -29,6 +29,11 @@ inline T branch_energy(Branch branch, const MaterialParameters<T>& p, const Mat3
   return hencky_energy(F, p.mu, p.lambda);
 }
 
+// Whether the stress is the gradient of an energy: not where the stress cone cuts it.
+constexpr bool has_potential(Branch branch) {
+  return branch == Branch::jelly || branch == Branch::metal || branch == Branch::foam;
+}
+
 // Whether a branch works with principal stretches: eigenvalues of F Fᵀ or singular values of F.
 constexpr bool needs_principal_stretches(Branch branch) {
   return branch != Branch::jelly;

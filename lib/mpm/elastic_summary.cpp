@@ -36,6 +36,7 @@ ElasticSummary summarise_elastic(const StepperSetup& setup, const State& state) 
           const int row = setup.row[first + l];
           if (static_cast<int>(setup.branches[row]) != branch) continue;
           out.energy += setup.volume[first + l] * energy[l];
+          if (has_potential(static_cast<Branch>(branch))) out.recoverable += setup.volume[first + l] * energy[l];
           out.min_J = std::min(out.min_J, double(J[l]));
           out.max_J = std::max(out.max_J, double(J[l]));
         }
@@ -45,6 +46,7 @@ ElasticSummary summarise_elastic(const StepperSetup& setup, const State& state) 
   ElasticSummary total;
   for (const ElasticSummary& p : partial) {
     total.energy += p.energy;
+    total.recoverable += p.recoverable;
     total.min_J = std::min(total.min_J, p.min_J);
     total.max_J = std::max(total.max_J, p.max_J);
   }

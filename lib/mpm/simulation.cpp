@@ -88,6 +88,42 @@ const char* reason_token(StepFault fault) {
   return "";
 }
 
+// Total energy may only fall between output frames, but for what controls put in. An unstable step can also saturate
+// at a few times the energy of the motion, below the limit of the substeps' own check: this finds it at the next frame.
+// Rows whose stress has no potential count with their kinetic energy and their weight only; what they store at the
+// start may all come back.
+class EnergyWatch {
+ public:
+  // scale [J]: energy that may move besides a change of height.
+  EnergyWatch(const Balance& start, double scale) : start_(start), scale_(scale) {}
+
+  bool surplus(const Balance& b) {
+    constexpr double kTolerance = 0.1;  // stable runs stay below 0.001 (make stability)
+    fall_ = std::max(fall_, std::fabs(b.gravity - start_.gravity));
+    const double total = b.kinetic + b.recoverable + b.gravity;
+    const double gain = total - (start_.kinetic + start_.elastic + start_.gravity) - 2 * b.control_work;
+    return gain > kTolerance * (scale_ + fall_ + b.control_work);
+  }
+
+ private:
+  Balance start_;
+  double scale_, fall_ = 0;
+};
+
+// Above one and a half times the limit at rest every measured run of material with a potential diverges. A stress cone
+// takes the energy of the same instability away, so that no check of speed or energy can see it: material falls to
+// pieces quietly instead (docs/numerics.md, "Stability"). Infinite when every row has a potential. Particles that are
+// moved by an action have no motion of their own and do not count.
+double hopeless_step(const StepperSetup& setup) {
+  double limit = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < setup.row.size(); ++i) {
+    const int row = setup.row[i];
+    if (setup.control_group[i] == 0 && !has_potential(setup.branches[row]))
+      limit = std::min(limit, 1.5 * rest_limit(setup.parameters[row], setup.domain.dx()));
+  }
+  return limit;
+}
+
 std::vector<Omission> omissions(const Problem& problem, const Options& options) {
   std::vector<Omission> list;
   bool used[kBranchCount] = {}, svd = false;
@@ -189,7 +225,7 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
 
   double control_work = 0;
   EnergyBudget budget;
-  const auto hand_out = [&](int frame) {
+  const auto balance_at = [&](int frame) {
     Balance b = measure_balance(problem, state);
     b.frame = frame;
     b.time = frame * timing.frame_dt;
@@ -198,18 +234,22 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
     if (result.measured_energy) {
       const ElasticSummary elastic = summarise_elastic(setup, state);
       b.elastic = elastic.energy;
+      b.recoverable = elastic.recoverable;
       b.min_J = elastic.min_J;
       b.max_J = elastic.max_J;
-      result.min_J = std::min(result.min_J, b.min_J);
-      result.max_J = std::max(result.max_J, b.max_J);
     }
+    return b;
+  };
+  const auto hand_out = [&](const Balance& b) {
+    result.min_J = std::min(result.min_J, b.min_J);
+    result.max_J = std::max(result.max_J, b.max_J);
     result.particles_at_wall = std::max(result.particles_at_wall, b.at_wall);
     result.max_speed = std::max(result.max_speed, b.max_speed);
     result.balances.push_back(b);
-    callback({frame, b.time, state});
+    callback({b.frame, b.time, state});
     ++result.frames_done;
   };
-  hand_out(0);
+  hand_out(balance_at(0));
 
   // No motion can hold more kinetic energy than it began with, plus what gravity can give across the domain, plus what
   // actions and projections put in. Twice that, plus a little for rounding, is the limit of what is believed.
@@ -222,6 +262,9 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
   const double stored = deformed ? summarise_elastic(setup, state).energy : 0;
   const double available = start.kinetic + stored + start.mass * (fall + 0.5 * slow * slow);
 
+  EnergyWatch watch(start, start.kinetic + stored + start.mass * (problem.domain.dx() * norm(g) + 0.5 * slow * slow));
+
+  const double hopeless = hopeless_step(setup);
   AdaptiveStepping adaptive(setup, result.dt, (timing.frames - 1) * timing.frame_dt, options.max_steps);
   const auto advance = [&](int frame, double energy_limit) {
     if (timing.rule == StepRule::cfl) {
@@ -275,7 +318,21 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
         budget.change += change;
       }
     }
-    hand_out(frame);
+    const Balance balance = balance_at(frame);
+    if (timing.rule == StepRule::fixed && result.dt > hopeless) {
+      result.status = Status::diverged;
+      result.first_bad_step = result.steps - 1;
+      result.reason = "step";
+      break;
+    }
+    // Projections move and relax material at will; what they do to the elastic energy is not weighed.
+    if (options.measure_energy && projections.empty() && retentions.empty() && watch.surplus(balance)) {
+      result.status = Status::diverged;
+      result.first_bad_step = result.steps - 1;
+      result.reason = reason_token(StepFault::energy);
+      break;
+    }
+    hand_out(balance);
     result.seconds_frames += frame_watch.seconds();
   }
   result.history = adaptive.history();

@@ -63,6 +63,7 @@ struct Balance {
   double kinetic = 0;                  // J, particle velocities only
   double affine = 0;                   // J, kinetic energy of the affine fields of APIC
   double elastic = 0;                  // J; trial energy for Sand, Snow and Plasticine; 0 when not measured
+  double recoverable = 0;              // J, the part of it in rows that have a potential: Jelly, Metal and Foam
   double gravity = 0;                  // J, relative to the origin of solver space
   double control_work = 0;             // J put in by actions and projections since the start (positive parts)
   Vec3d momentum = {0, 0, 0};          // kg m/s
@@ -94,11 +95,11 @@ enum class Status { stable, diverged };
 
 struct Result {
   Status status = Status::stable;
-  // Global substep, counted from 0, in which a fault was found; -1 when stable. A fault shows in the substep after the
-  // one that made the state bad, at the latest: every substep checks every particle.
+  // Global substep, counted from 0, in which a fault was found; -1 when stable. Every substep checks every particle, so
+  // what explodes is found within some substeps; what is too weak for that, at the next output frame.
   long long first_bad_step = -1;
   std::string reason;   // "", "nan" (not finite), "speed" (over a cell per substep), "energy" (more than can be there),
-                        // "budget" (more than max_steps)
+                        // "budget" (more than max_steps), "step" (far above the limit of the material)
   int frames_done = 0;  // output frames handed out
   long long steps = 0;  // substeps done
   double dt = 0;        // s; the mean of the substeps under StepRule::cfl

@@ -11,10 +11,10 @@ namespace physmas::mpm {
 
 // The particles at rest.
 struct Particles {
-  std::vector<Vec3d> position;  // [N] m
-  std::vector<double> volume;   // [N] rest volume [m^3], > 0
-  std::vector<int> row;         // [N] index into the materials
-  std::vector<Vec3d> velocity;  // [N] m/s, or empty: at rest
+  std::vector<Vec3d> position;              // [N] m
+  std::vector<double> volume;               // [N] rest volume [m^3], > 0
+  std::vector<int> row;                     // [N] index into the materials
+  std::vector<Vec3d> velocity;              // [N] m/s, or empty: at rest
   std::vector<Mat3d> deformation_gradient;  // [N] elastic F at the start, any finite matrix; or empty: identity
 
   size_t size() const { return position.size(); }

@@ -71,6 +71,7 @@ std::unique_ptr<Stepper> make_stepper(Precision precision, const StepperSetup& s
 // Total elastic energy [J] and the range of det F, over all particles, independent of the number of threads.
 struct ElasticSummary {
   double energy = 0;
+  double recoverable = 0;  // the part of it that has a potential (Jelly, Metal, Foam)
   double min_J = 1, max_J = 1;
 };
 ElasticSummary summarise_elastic(const StepperSetup& setup, const State& state);

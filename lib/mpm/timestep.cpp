@@ -85,6 +85,10 @@ StepBounds measure_bounds(const StepperSetup& setup, const State& state) {
   return {setup.domain.dx() * std::sqrt(total.softness), std::sqrt(total.speed), std::sqrt(total.gradient)};
 }
 
+double rest_limit(const MaterialParameters<double>& parameters, double dx) {
+  return dx * std::sqrt(parameters.density / rest_stiffness(parameters));
+}
+
 double choose_step(const StepBounds& bounds, const Domain& domain, double largest) {
   const double path = kCellsPerStep * domain.dx();
   // dt (speed + g dt) = path
@@ -96,8 +100,7 @@ double choose_step(const StepBounds& bounds, const Domain& domain, double larges
 }
 
 AdaptiveStepping::AdaptiveStepping(const StepperSetup& setup, double largest_dt, double end, long long max_steps)
-    : setup_(setup), largest_dt_(largest_dt), end_(end), max_steps_(max_steps) {
-}
+    : setup_(setup), largest_dt_(largest_dt), end_(end), max_steps_(max_steps) {}
 
 bool AdaptiveStepping::admits(const StepBounds& end, const StepReport& report, double dt) const {
   return dt <= end.wave && dt * std::max(end.speed, report.max_speed) <= kGrowth * kCellsPerStep * setup_.domain.dx() &&

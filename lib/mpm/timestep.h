@@ -21,6 +21,9 @@ StepBounds measure_bounds(const StepperSetup& setup, const State& state);
 // crosses a fifth of a cell under gravity, and the time in which a velocity gradient strains by 0.3.
 double choose_step(const StepBounds& bounds, const Domain& domain, double largest);
 
+// Largest stable step [s] of material at rest, for any arrangement of particles; dx [m].
+double rest_limit(const MaterialParameters<double>& parameters, double dx);
+
 // Statistics of a run with adaptive steps.
 struct StepHistory {
   double smallest_dt = 0, largest_dt = 0;  // s, of the substeps kept

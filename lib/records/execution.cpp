@@ -36,9 +36,15 @@ ExecutionRecord load_execution(const std::string& path) {
       record.energy_terms.emplace_back(name, values.get<std::vector<double>>());
   }
   record.particles_outside = numerical.at("particles_outside").get<long>();
-  record.substeps_per_frame = document.at("steps").at("per_frame").get<int>();
-  record.steps = document.at("steps").at("total").get<long>();
-  record.dt = document.at("steps").at("dt").get<double>();
+  const Json& steps = document.at("steps");
+  record.step_rule = steps.value("rule", "paper");
+  record.substeps_per_frame = steps.at("per_frame").get<int>();
+  record.steps = steps.at("total").get<long>();
+  record.dt = steps.at("dt").get<double>();
+  record.smallest_dt = steps.value("smallest_dt", record.dt);
+  record.largest_dt = steps.value("largest_dt", record.dt);
+  record.retries = steps.value("retries", 0L);
+  record.discarded_steps = steps.value("discarded", 0L);
   record.frames = document.at("frames").get<int>();
   record.particles = document.value("particles", 0L);
   record.grid = document.value("grid", Json::object());
@@ -76,7 +82,10 @@ void save_execution(const std::string& path, const ExecutionRecord& record, cons
     for (const auto& [name, values] : record.energy_terms) energy["budget"][name] = values;
   }
   numerical["particles_outside"] = record.particles_outside;
-  json["steps"] = {{"per_frame", record.substeps_per_frame}, {"total", record.steps}, {"dt", record.dt}};
+  json["steps"] = {
+      {"rule", record.step_rule},  {"per_frame", record.substeps_per_frame}, {"total", record.steps},
+      {"dt", record.dt},           {"smallest_dt", record.smallest_dt},      {"largest_dt", record.largest_dt},
+      {"retries", record.retries}, {"discarded", record.discarded_steps}};
   json["frames"] = record.frames;
   json["particles"] = record.particles;
   json["grid"] = record.grid;

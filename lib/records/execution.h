@@ -27,9 +27,12 @@ struct ExecutionRecord {
   // With "steps": the terms of the budget, sums since the start, per output frame [J].
   std::vector<std::pair<std::string, std::vector<double>>> energy_terms;
   long particles_outside = 0;
-  int substeps_per_frame = 1;
+  std::string step_rule = "paper";  // paper | cfl | fixed
+  int substeps_per_frame = 1;       // cfl: at least
   long steps = 0;
-  double dt = 0;  // s
+  double dt = 0;                           // s; cfl: the mean
+  double smallest_dt = 0, largest_dt = 0;  // s
+  long retries = 0, discarded_steps = 0;   // cfl: chunks done again with a smaller step, and substeps thrown away
   int frames = 0;
   long particles = 0;
   Json grid = Json::object();

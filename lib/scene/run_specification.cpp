@@ -99,6 +99,7 @@ RunSpecification run_specification_from(const Json& json, const std::string& fil
   read(time, "substep_dt", run.time.substep_dt);
   read(time, "min_substep_dt", run.time.min_substep_dt);
   read(time, "max_substeps", run.time.max_substeps);
+  read(time, "rule", run.time.rule);
   if (run.time.substep_dt > run.time.frame_dt) {
     throw invalid_field(file, pointer + "/time/substep_dt", run.time.substep_dt, "at most frame_dt");
   }
@@ -177,7 +178,8 @@ Json to_json(const RunSpecification& run) {
                   {"frame_dt", run.time.frame_dt},
                   {"substep_dt", run.time.substep_dt},
                   {"min_substep_dt", run.time.min_substep_dt},
-                  {"max_substeps", run.time.max_substeps}};
+                  {"max_substeps", run.time.max_substeps},
+                  {"rule", run.time.rule}};
   json["gravity"] = to_json(run.gravity);
   json["colliders"] = Json::array();
   for (const Collider& c : run.colliders) {

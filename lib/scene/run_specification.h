@@ -34,6 +34,7 @@ struct RunSpecification {
     double substep_dt = 2e-4;      // s
     double min_substep_dt = 5e-5;  // s
     int max_substeps = 800;        // per output frame
+    std::string rule = "paper";    // paper | cfl: what pm-simulate follows
     double duration() const { return frame_dt * (frames - 1); }
   } time;
 

@@ -11,6 +11,26 @@ motion() { "$bin/pm-eval" motion --scene bundle/scene.json --inventory inventory
   fails_with 2 motion --target nothing -- "--target" "lollipop"
 }
 
+@test "pm-eval stability: a subset, every run by cfl stable, no garbage, with its files" {
+  "$bin/pm-eval" stability --quick --out stability >table.txt
+  grep -q '^sweep  *cfl  *float' table.txt
+  [ "$(head -1 stability/stability.csv | cut -d, -f1-4)" = "study,name,rule,precision" ]
+  [ "$(grep -c ',cfl,' stability/stability.csv)" -gt 50 ]
+  ! grep ',cfl,' stability/stability.csv | grep -q ',diverged,'
+  grep ',paper,' stability/stability.csv | grep -q ',diverged,'
+  grep -q '"garbage": \[\]' stability/stability.json
+  if command -v gnuplot >/dev/null; then [ -s stability/stability-paper-nu.png ]; fi
+}
+
+@test "pm-eval stability: without gnuplot the numbers are there and a warning says what is missing" {
+  mkdir -p empty
+  PATH=$BATS_TEST_TMPDIR/empty "$bin/pm-eval" stability --quick --out bare >/dev/null 2>warning.txt
+  grep -q 'make deps' warning.txt
+  [ -s bare/stability.csv ]
+  [ -s bare/stability.gp ]
+  ! ls bare/*.png 2>/dev/null
+}
+
 @test "pm-eval motion: a run against itself has no error" {
   motion
   grep -A2 '"trajectory_nrmse"' metrics.json | grep -q '"value": 0.0'

@@ -10,7 +10,8 @@ setup() { enter_tiny_run; }
   fails_with 2 simulate --precision half -- "half"
   fails_with 2 simulate --energy some -- "some"
   fails_with 2 simulate --timestep soon -- "--timestep" "soon"
-  fails_with 2 simulate --timestep cfl -- "not built yet"
+  fails_with 2 simulate --timestep cfll -- "cfl"
+  fails_with 2 simulate --max-steps 0 -- "--max-steps"
   fails_with 2 simulate --device cuda -- "CUDA"
   fails_with 2 simulate --out rollouts/x.txt -- ".h5"
 }
@@ -38,6 +39,28 @@ setup() { enter_tiny_run; }
   grep -Eq '"first_bad_step": [0-9]+' rollouts/support-stiff.json
   run simulate --strict
   [ "$status" -eq 5 ]
+}
+
+@test "pm-simulate: --timestep cfl integrates what the candidate's step cannot, within a budget" {
+  edit candidates/support-stiff.json 's/"E": [0-9.e+]+/"E": 1e9/'
+  simulate --timestep cfl --frames 2 --quiet
+  grep -q '"status": "stable"' rollouts/support-stiff.json
+  grep -q '"rule": "cfl"' rollouts/support-stiff.json
+  grep -Eq '"smallest_dt": [0-9.e-]+' rollouts/support-stiff.json
+  grep -q '"retries"' rollouts/support-stiff.json
+  simulate --timestep cfl --frames 2 --max-steps 10 --quiet
+  grep -q '"budget"' rollouts/support-stiff.json
+  grep -q -- '--max-steps' rollouts/support-stiff.json
+  run simulate --timestep cfl --frames 2 --max-steps 10 --strict
+  [ "$status" -eq 5 ]
+}
+
+@test "pm-simulate: the run's time.rule chooses the step rule, --timestep wins" {
+  edit bundle/scene.json 's/"rule": "paper"/"rule": "cfl"/'
+  simulate --frames 2
+  grep -q '"rule": "cfl"' rollouts/support-stiff.json
+  simulate --frames 2 --timestep paper
+  grep -q '"rule": "paper"' rollouts/support-stiff.json
 }
 
 @test "pm-simulate: options change the numerics and are recorded" {
