@@ -5,12 +5,6 @@
 namespace physmas {
 namespace {
 
-Json scores_json(const LabelScores& scores) {
-  Json json = Json::object();
-  for (const auto& [label, score] : scores) json[kLabels[label].name] = score;
-  return json;
-}
-
 int label_from(const Json& json) {
   return find_label(json.get<std::string>()).value();
 }
@@ -30,6 +24,7 @@ EvidenceRow row_from(const Json& json, const std::string& file, const std::strin
   row.key = json.at("key").get<std::string>();
   row.residual = json.at("residual").get<bool>();
   row.gaussians = json.at("gaussians").get<long>();
+  if (json.contains("observations")) row.observations = json.at("observations");
   for (const Json& label : json.value("expected_labels", Json::array()))
     row.expected_labels.push_back(label_from(label));
   for (const auto& [source, scores] : json.at("sources").items()) {
@@ -75,6 +70,7 @@ Json row_json(const EvidenceRow& row) {
   json["key"] = row.key;
   json["residual"] = row.residual;
   json["gaussians"] = row.gaussians;
+  if (!row.observations.is_null()) json["observations"] = row.observations;
   json["expected_labels"] = Json::array();
   for (int label : row.expected_labels) json["expected_labels"].push_back(kLabels[label].name);
   json["sources"] = Json::object();
@@ -116,6 +112,12 @@ Json row_json(const EvidenceRow& row) {
 
 }  // namespace
 
+Json scores_json(const LabelScores& scores) {
+  Json json = Json::object();
+  for (const auto& [label, score] : scores) json[kLabels[label].name] = score;
+  return json;
+}
+
 double EvidenceRow::probability(int wanted) const {
   for (const auto& [candidate, p] : posterior) {
     if (candidate == wanted) return p;
@@ -147,7 +149,8 @@ Evidence load_evidence(const std::string& path, const std::vector<std::string>& 
   evidence.whole_object.E = whole.at("E").get<double>();
   evidence.whole_object.nu = whole.at("nu").get<double>();
   evidence.whole_object.rho = whole.at("rho").get<double>();
-  evidence.exchanges = document.at("exchanges").get<std::vector<std::string>>();
+  if (whole.contains("crops")) evidence.whole_object.crops = whole.at("crops");
+  evidence.exchanges = exchanges_from(document);
   evidence.omitted = omissions_from(document);
   return evidence;
 }
@@ -163,7 +166,8 @@ void save_evidence(const std::string& path, const Evidence& evidence, const Prov
                           {"E", whole.E},
                           {"nu", whole.nu},
                           {"rho", whole.rho}};
-  json["exchanges"] = evidence.exchanges;
+  if (!whole.crops.is_null()) json["whole_object"]["crops"] = whole.crops;
+  json["exchanges"] = to_json(evidence.exchanges);
   json["omitted"] = to_json(evidence.omitted);
   save_record(path, "evidence", provenance, json);
 }

@@ -35,12 +35,6 @@ struct Reply {
   Json body;  // null when the status is not 2xx, or no JSON was wanted
 };
 
-// What an artifact keeps of an exchange that it rests on.
-struct ExchangeReference {
-  std::string name;
-  std::string sha256;  // of request and response, without run times
-};
-
 // The body with every attachment's place holding "sha256:HEX" (`recorded`), or prefix and base64 text (`sent`).
 Json recorded_body(const Request& request);
 Json sent_body(const Request& request);

@@ -12,8 +12,8 @@ setup() { make_scene; }
 
 @test "pm-material: usage errors" {
   fails_with 2 "$bin/pm-material" -- "--scene is required"
-  fails_with 2 material --agent http://localhost:1 -- "--agent http://localhost:1" "not built yet"
-  fails_with 2 material --predictor http://localhost:1 -- "--predictor http://localhost:1" "not built yet"
+  fails_with 2 material --agent nobody -- "--agent nobody" "expected builtin, a URL, or replay:DIR"
+  fails_with 2 material --predictor ftp://localhost/v2/models/m -- "--predictor" "scheme \"ftp\""
   [ ! -e evidence.json ]
 }
 
