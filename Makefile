@@ -58,6 +58,10 @@ LIBRARY := $(BUILD)/libphysmas.a
 .PHONY: all
 all: $(TOOLS:%=$(BIN)/%) ## Build the tools into build/bin (make -j2)
 
+# The stages whose decisions are compared number by number: no contraction to fused multiply-adds, so that their results do
+# not depend on the processor.
+$(BUILD)/obj/lib/material/% $(BUILD)/obj/lib/candidate/% $(BUILD)/obj/lib/screen/%: CXXFLAGS += -ffp-contract=off
+
 $(BUILD)/obj/%.o: %.cpp | build/.packages
 	@mkdir -p $(@D)
 	$(call say,CXX,$<)
@@ -183,10 +187,14 @@ endif
 ifneq ($(filter demo run,$(MAKECMDGOALS)),)
   include pipelines/physmas.mk
 endif
+ifneq ($(filter batch,$(MAKECMDGOALS)),)
+  include pipelines/batch.mk
+endif
 
-.PHONY: demo run
+.PHONY: demo run batch
 demo: run-finished ## Install, build, run the example EXAMPLE=cake end to end, say where the video is
 run: run-finished ## Run your own file: GAUSSIANS=scene.ply PROMPT="..." [UP=z] [RUN=runs/name] [SET="key=value ..."]
+batch: batch-finished ## Run many scenes and write one table: SCENES="cake my/scene.json ..." or SCENES=list.txt
 
 # --- Tests --------------------------------------------------------------------------------------------------------
 

@@ -1,6 +1,9 @@
 #include "records/evidence.h"
 
+#include <fmt/format.h>
+
 #include <array>
+#include <cmath>
 
 namespace physmas {
 namespace {
@@ -17,6 +20,30 @@ LabelScores scores_from(const Json& json, const std::string& file, const std::st
     scores.emplace_back(*label, score.get<double>());
   }
   return scores;
+}
+
+// What the schema cannot see: a posterior in stored order, and centres inside the selected label's domain.
+void check_row(const EvidenceRow& row, const std::string& file, const std::string& pointer) {
+  constexpr double kRounding = 1e-9;
+  double sum = 0;
+  for (size_t i = 0; i < row.posterior.size(); ++i) {
+    sum += row.posterior[i].second;
+    if (i > 0 && row.posterior[i].second > row.posterior[i - 1].second) {
+      throw invalid_field(file, pointer + "/posterior/" + std::to_string(i) + "/probability", row.posterior[i].second,
+                          "no more than the one before it: the posterior is stored in descending order");
+    }
+  }
+  if (std::abs(sum - 1) > kRounding) throw invalid_field(file, pointer + "/posterior", sum, "probabilities that sum to 1");
+  const LabelPrior& prior = kLabels[row.label];
+  const double lo = std::log10(prior.E_lo), hi = std::log10(prior.E_hi);
+  if (row.log10_E < lo - kRounding || row.log10_E > hi + kRounding) {
+    throw invalid_field(file, pointer + "/E/log10", row.log10_E,
+                        fmt::format("{} to {}, the domain of {}", lo, hi, prior.name));
+  }
+  if (row.nu < prior.nu_lo - kRounding || row.nu > prior.nu_hi + kRounding) {
+    throw invalid_field(file, pointer + "/nu/value", row.nu,
+                        fmt::format("{} to {}, the domain of {}", prior.nu_lo, prior.nu_hi, prior.name));
+  }
 }
 
 EvidenceRow row_from(const Json& json, const std::string& file, const std::string& pointer) {
@@ -62,6 +89,7 @@ EvidenceRow row_from(const Json& json, const std::string& file, const std::strin
   row.entropy = json.value("entropy", 0.0);
   row.mask_confidence = json.at("mask_confidence").get<double>();
   row.part_confidence = json.at("part_confidence").get<double>();
+  check_row(row, file, pointer);
   return row;
 }
 

@@ -57,7 +57,7 @@ struct WholeObject {
   int label = -1;                   // -1: none
   Branch branch = Branch::plasticine;
   double E = 5e5, nu = 0.476, rho = 5000;  // the paper's fixed fallback
-  Json crops;                              // material_records form; null when there are none
+  Json crops = nullptr;                    // material_records form; null when there are none
 };
 
 struct Evidence {

@@ -21,7 +21,7 @@ void add_remote_options(CLI::App& app, RemoteOptions& options) {
       ->check(CLI::Range(0.05, 86400.0))
       ->capture_default_str()
       ->group("Remote");
-  app.add_option("--budget", options.budget, "Seconds for all requests together, waiting included")
+  app.add_option("--budget", options.budget, "Seconds for all requests to one server, waiting included")
       ->check(CLI::Range(0.05, 864000.0))
       ->capture_default_str()
       ->group("Remote");

@@ -30,7 +30,7 @@ class Backend {
 struct RemoteOptions {
   std::string exchanges;  // folder in which exchanges are saved
   double timeout = 120;   // seconds for one reply
-  double budget = 1800;   // seconds for all requests of the tool, waiting included
+  double budget = 1800;   // seconds for all requests to one server, waiting included
   int retries = 3;        // how often a request is sent again
   double backoff = 1;     // seconds before the first of these; doubles up to 30
 };

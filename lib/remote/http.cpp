@@ -46,13 +46,17 @@ Headers add_header(Headers list, const std::string& line) {
   return Headers(grown, &curl_slist_free_all);
 }
 
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
 // "Application/JSON; charset=utf-8" -> "application/json".
 std::string plain_type(const char* header) {
   std::string type = header == nullptr ? "" : header;
   type = type.substr(0, type.find(';'));
   while (!type.empty() && std::isspace(static_cast<unsigned char>(type.back()))) type.pop_back();
-  std::transform(type.begin(), type.end(), type.begin(), [](unsigned char c) { return std::tolower(c); });
-  return type;
+  return lower_case(type);
 }
 
 HttpResult::Outcome outcome_of(CURLcode code, bool overflow) {
@@ -170,8 +174,8 @@ Url parse_url(const std::string& text, const std::string& flag) {
 std::string origin_of(const std::string& text) {
   const UrlHandle url(curl_url(), &curl_url_cleanup);
   if (url == nullptr || curl_url_set(url.get(), CURLUPART_URL, text.c_str(), 0) != CURLUE_OK) return "";
-  return fmt::format("{}://{}:{}", url_part(url.get(), CURLUPART_SCHEME), url_part(url.get(), CURLUPART_HOST),
-                     url_part(url.get(), CURLUPART_PORT, CURLU_DEFAULT_PORT));
+  return fmt::format("{}://{}:{}", url_part(url.get(), CURLUPART_SCHEME),
+                     lower_case(url_part(url.get(), CURLUPART_HOST)), url_part(url.get(), CURLUPART_PORT, CURLU_DEFAULT_PORT));
 }
 
 }  // namespace physmas::remote
