@@ -1,5 +1,7 @@
 // pm-material: row-wise material evidence from the inventory, the masks and, when given, models and authored records.
 #include <filesystem>
+#include <memory>
+#include <optional>
 
 #include "base/command_line.h"
 #include "base/error.h"
@@ -24,7 +26,8 @@ struct Options {
 
 // What the models and the authored files say; empty when there is none of them.
 std::optional<MaterialRecords> observe(const Options& options, const Scene& scene, const Inventory& inventory,
-                                       const std::vector<ViewMasks>& masks, Evidence& evidence, Provenance& provenance) {
+                                       const std::vector<ViewMasks>& masks, Evidence& evidence,
+                                       Provenance& provenance) {
   const BackendKind agent = remote::backend_kind(options.agent, {"builtin"});
   const BackendKind predictor = remote::backend_kind(options.predictor, {"none"});
   std::optional<MaterialRecords> records;
@@ -42,18 +45,24 @@ std::optional<MaterialRecords> observe(const Options& options, const Scene& scen
   }
   if (agent == BackendKind::builtin && (predictor == BackendKind::builtin || predictor == BackendKind::file))
     return records;
-  const std::vector<material::ViewPicture> pictures = material::load_view_pictures(scene);
-  if (predictor == BackendKind::remote || predictor == BackendKind::recorded) {
-    const auto backend = remote::open_backend(options.predictor, "--predictor", "/v2/models/predictor", options.remote);
-    remote::InferenceClient client(*backend, "predictor");
-    take(material::predict_rows(client, inventory, pictures, masks));
-    keep_exchanges(*backend);
-  }
+  // Both are opened before anything is asked: a wrong flag should not cost an answer.
+  std::unique_ptr<remote::Backend> predictor_backend, agent_backend;
+  std::optional<remote::ChatClient> chat;
+  if (predictor == BackendKind::remote || predictor == BackendKind::recorded)
+    predictor_backend = remote::open_backend(options.predictor, "--predictor", "/v2/models/predictor", options.remote);
   if (agent != BackendKind::builtin) {
-    const auto backend = remote::open_backend(options.agent, "--agent", "/v1", options.remote);
-    remote::ChatClient chat(*backend, options.model);
-    take(material::ask_about_rows(chat, inventory, pictures, masks, evidence.omitted));
-    keep_exchanges(*backend);
+    agent_backend = remote::open_backend(options.agent, "--agent", "/v1", options.remote);
+    chat.emplace(*agent_backend, options.model);
+  }
+  const std::vector<material::ViewPicture> pictures = material::load_view_pictures(scene);
+  if (predictor_backend) {
+    remote::InferenceClient client(*predictor_backend, "predictor");
+    take(material::predict_rows(client, inventory, pictures, masks));
+    keep_exchanges(*predictor_backend);
+  }
+  if (chat) {
+    take(material::ask_about_rows(*chat, inventory, pictures, masks, evidence.omitted));
+    keep_exchanges(*agent_backend);
   }
   return records;
 }
@@ -112,7 +121,8 @@ int main(int argc, char** argv) {
   tool.footer =
       "Example: pm-material --scene scene.json --inventory inventory.json --masks masks.h5 --state state.h5 "
       "--out evidence.json\n"
-      "Reads physmas/scene, inventory, masks, state and, with --predictor FILE or --authored, physmas/material_records; "
+      "Reads physmas/scene, inventory, masks, state and, with --predictor FILE or --authored, "
+      "physmas/material_records; "
       "writes physmas/evidence and, with a model server, exchanges/NAME.json (physmas/exchange).\n"
       "The key for a model server is read from the environment variable PM_API_KEY and written nowhere.\n"
       "The confidence of a row's mask is the mean over the views whose mask is not empty, 0 (unavailable) without any.";
@@ -133,7 +143,8 @@ int main(int argc, char** argv) {
                    "(http://host/v2/models/NAME), replay:DIR, or a file of records (physmas/material_records)")
         ->capture_default_str()
         ->type_name("none|URL|replay:DIR|FILE");
-    app.add_option("--authored", options.authored, "Authored crops and answers, ahead of the predictor's and the agent's")
+    app.add_option("--authored", options.authored,
+                   "Authored crops and answers, ahead of the predictor's and the agent's")
         ->type_name("FILE");
     remote::add_remote_options(app, options.remote);
   };

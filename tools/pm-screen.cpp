@@ -158,8 +158,8 @@ ScreenRecord screen_round(const Options& options) {
   const Evidence evidence = load_evidence(options.evidence, keys);
   const std::vector<screen::Executed> executed = load_all(options, inventory, provenance);
 
-  const screen::SceneRecords records{inventory, evidence, plan, run.time.frames, run.screening.tau,
-                                     run.screening.weights};
+  const screen::SceneRecords records{inventory,       evidence,          plan,
+                                     run.time.frames, run.screening.tau, run.screening.weights};
   ScreenRecord record = screen::decide_round(executed, records, options.round, run.screening.rounds);
   const std::string chosen = record.accepted;
   const auto best = std::find_if(executed.begin(), executed.end(),

@@ -9,7 +9,8 @@
 namespace physmas::material {
 
 std::string rejection_of(const Json& answer, const std::string& key) {
-  if (answer.at("key") != key) return "/key: found " + one_line(answer.at("key").dump(), 80) + ", expected \"" + key + "\"";
+  if (answer.at("key") != key)
+    return "/key: found " + one_line(answer.at("key").dump(), 80) + ", expected \"" + key + "\"";
   const bool abstains = answer.at("abstain").get<bool>();
   const auto check = [&](const char* list, const char* name) -> std::string {
     std::set<std::string> seen;

@@ -50,7 +50,8 @@ EvidenceRow row_evidence(const InventoryRow& row, const RowObservations& observa
 void reason_about_materials(Evidence& evidence, const Inventory& inventory, const std::vector<long>& gaussians,
                             const std::vector<double>& mask_confidence, const std::optional<MaterialRecords>& records) {
   if (!records) {
-    evidence.omitted.push_back({"crop and vision-language evidence", "neither a model nor a file of records was given"});
+    evidence.omitted.push_back(
+        {"crop and vision-language evidence", "neither a model nor a file of records was given"});
   }
   evidence.whole_object = whole_object_record(records ? records->whole_object : std::nullopt);
   if (evidence.whole_object.label < 0) {

@@ -52,7 +52,8 @@ std::vector<ViewPicture> load_view_pictures(const Scene& scene) {
   for (const SceneView& view : scene.views) {
     const Image image = splat::load_image(view.image);
     if (image.width != view.camera.width || image.height != view.camera.height) {
-      throw invalid_input({view.image, "", std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels",
+      throw invalid_input({view.image, "",
+                           std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels",
                            std::to_string(view.camera.width) + " x " + std::to_string(view.camera.height) +
                                ", as its camera in " + scene.file});
     }

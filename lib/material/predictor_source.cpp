@@ -29,7 +29,8 @@ std::vector<CropRecord> crops_from_tensors(const std::map<std::string, remote::T
   const auto number = [&](const std::string& output, size_t i, bool may_be_negative) -> std::optional<double> {
     const double x = tensors.at(output).numbers[i];
     if (!may_be_negative && x < 0)
-      throw remote::provider_error(source, fmt::format("/outputs/{}/data/{}: found {}, expected no negative number", output, i, x));
+      throw remote::provider_error(
+          source, fmt::format("/outputs/{}/data/{}: found {}, expected no negative number", output, i, x));
     return std::isfinite(x) ? std::optional<double>(x) : std::nullopt;
   };
   for (size_t i = 0; i < crops.size(); ++i) {

@@ -33,7 +33,8 @@ void check_row(const EvidenceRow& row, const std::string& file, const std::strin
                           "no more than the one before it: the posterior is stored in descending order");
     }
   }
-  if (std::abs(sum - 1) > kRounding) throw invalid_field(file, pointer + "/posterior", sum, "probabilities that sum to 1");
+  if (std::abs(sum - 1) > kRounding)
+    throw invalid_field(file, pointer + "/posterior", sum, "probabilities that sum to 1");
   const LabelPrior& prior = kLabels[row.label];
   const double lo = std::log10(prior.E_lo), hi = std::log10(prior.E_hi);
   if (row.log10_E < lo - kRounding || row.log10_E > hi + kRounding) {

@@ -26,8 +26,8 @@ struct EvidenceRow {
   std::string key;
   bool residual = false;
   long gaussians = 0;
-  Json observations;  // material_records form: crops, vlm; null when there are none
-  std::vector<int> expected_labels;                          // canonical, deduplicated, in order
+  Json observations;                 // material_records form: crops, vlm; null when there are none
+  std::vector<int> expected_labels;  // canonical, deduplicated, in order
   std::vector<std::pair<std::string, LabelScores>> sources;  // schema, crop, vlm, role, whole
   LabelScores role_lookup;                                   // R_r
   LabelScores scores;                                        // s_r

@@ -51,7 +51,8 @@ void require_same_state(const std::string& record_path, const std::string& other
     const fs::path name = fs::path(inputs[i].at("path").get<std::string>()).filename();
     if (name.extension() != ".h5") continue;
     for (const Json& other : others) {
-      if (fs::path(other.at("path").get<std::string>()).filename() != name || other.at("sha256") == inputs[i].at("sha256"))
+      if (fs::path(other.at("path").get<std::string>()).filename() != name ||
+          other.at("sha256") == inputs[i].at("sha256"))
         continue;
       throw invalid_input({record_path, "/provenance/inputs/" + std::to_string(i) + "/sha256",
                            inputs[i].at("sha256").get<std::string>() + " for " + name.string(),

@@ -25,7 +25,8 @@ void add_remote_options(CLI::App& app, RemoteOptions& options) {
       ->check(CLI::Range(0.05, 864000.0))
       ->capture_default_str()
       ->group("Remote");
-  app.add_option("--retries", options.retries, "How often a request is sent again after 408, 429, 5xx or a lost connection")
+  app.add_option("--retries", options.retries,
+                 "How often a request is sent again after 408, 429, 5xx or a lost connection")
       ->check(CLI::Range(0, 20))
       ->capture_default_str()
       ->group("Remote");

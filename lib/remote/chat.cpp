@@ -57,7 +57,8 @@ Json ChatClient::request_body(const Question& question, const std::string& corre
   Json schema = schema_document(question.schema);
   schema.erase("$schema");
   std::string text = question.text;
-  if (!structured_) text += "\n\nReply with one JSON object and nothing else. It must fit this JSON Schema:\n" + schema.dump();
+  if (!structured_)
+    text += "\n\nReply with one JSON object and nothing else. It must fit this JSON Schema:\n" + schema.dump();
   Json content = Json::array();
   content.push_back({{"type", "text"}, {"text", text}});
   for (size_t i = 0; i < question.images.size(); ++i)
@@ -74,8 +75,8 @@ Json ChatClient::request_body(const Question& question, const std::string& corre
   body["temperature"] = 0;
   body["messages"] = messages;
   if (structured_) {
-    body["response_format"] = {
-        {"type", "json_schema"}, {"json_schema", {{"name", question.schema}, {"strict", true}, {"schema", schema}}}};
+    body["response_format"] = {{"type", "json_schema"},
+                               {"json_schema", {{"name", question.schema}, {"strict", true}, {"schema", schema}}}};
   }
   return body;
 }
@@ -135,8 +136,8 @@ Answer ChatClient::ask(const Question& question) {
     if (why.empty()) return answer;
     answer.rejected.push_back(why);
   }
-  throw provider_error(question.name, fmt::format("no acceptable answer in {} asks; the last one: {}", asks_,
-                                                  answer.rejected.back()));
+  throw provider_error(question.name,
+                       fmt::format("no acceptable answer in {} asks; the last one: {}", asks_, answer.rejected.back()));
 }
 
 }  // namespace physmas::remote

@@ -44,8 +44,7 @@ Json recorded_body(const Request& request) {
 
 Json sent_body(const Request& request) {
   Json body = request.body;
-  for (const Attachment& a : request.attachments)
-    body[Json::json_pointer(a.pointer)] = a.prefix + base64_of(a.bytes);
+  for (const Attachment& a : request.attachments) body[Json::json_pointer(a.pointer)] = a.prefix + base64_of(a.bytes);
   return body;
 }
 
@@ -87,8 +86,8 @@ ExchangeRecord load_exchange(const std::string& path) {
   record.content_type = response.at("content_type").get<std::string>();
   record.body = response.at("body").get<std::string>();
   if (response.at("sha256") != sha256_text(record.body)) {
-    throw invalid_field(path, "/response/sha256", response.at("sha256"), sha256_text(record.body) + ", that of the body",
-                        "the reply was changed after it was recorded");
+    throw invalid_field(path, "/response/sha256", response.at("sha256"),
+                        sha256_text(record.body) + ", that of the body", "the reply was changed after it was recorded");
   }
   if (document.at("sha256") != record.sha256()) {
     throw invalid_field(path, "/sha256", document.at("sha256"), record.sha256() + ", that of request and response",
@@ -121,11 +120,10 @@ std::optional<Difference> first_difference(const Json& now, const Json& recorded
   if (now.is_string() && recorded.is_string()) {
     // Long texts: show where they part.
     const std::string &a = now.get_ref<const std::string&>(), &b = recorded.get_ref<const std::string&>();
-    const size_t common = std::mismatch(a.begin(), a.begin() + std::min(a.size(), b.size()), b.begin()).first - a.begin();
+    const size_t common =
+        std::mismatch(a.begin(), a.begin() + std::min(a.size(), b.size()), b.begin()).first - a.begin();
     const size_t from = common > 20 ? common - 20 : 0;
-    const auto around = [&](const std::string& s) {
-      return (from > 0 ? "..." : "") + shown(Json(s.substr(from, 60)));
-    };
+    const auto around = [&](const std::string& s) { return (from > 0 ? "..." : "") + shown(Json(s.substr(from, 60))); };
     return Difference{pointer, around(a), around(b)};
   }
   return Difference{pointer, shown(now), shown(recorded)};

@@ -25,8 +25,8 @@ struct Request {
   std::string path;    // appended to the endpoint: "/chat/completions"
   Json body;           // null: none. A null field matches whatever a replayed request had there.
   std::vector<Attachment> attachments;
-  std::vector<int> returned_statuses;  // besides 2xx; any other status is a failure of the provider
-  bool wants_json = true;              // the reply must be JSON; readiness probes have no body
+  std::vector<int> returned_statuses;    // besides 2xx; any other status is a failure of the provider
+  bool wants_json = true;                // the reply must be JSON; readiness probes have no body
   size_t reply_limit = size_t{4} << 20;  // bytes
 };
 

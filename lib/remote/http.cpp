@@ -175,7 +175,8 @@ std::string origin_of(const std::string& text) {
   const UrlHandle url(curl_url(), &curl_url_cleanup);
   if (url == nullptr || curl_url_set(url.get(), CURLUPART_URL, text.c_str(), 0) != CURLUE_OK) return "";
   return fmt::format("{}://{}:{}", url_part(url.get(), CURLUPART_SCHEME),
-                     lower_case(url_part(url.get(), CURLUPART_HOST)), url_part(url.get(), CURLUPART_PORT, CURLU_DEFAULT_PORT));
+                     lower_case(url_part(url.get(), CURLUPART_HOST)),
+                     url_part(url.get(), CURLUPART_PORT, CURLU_DEFAULT_PORT));
 }
 
 }  // namespace physmas::remote

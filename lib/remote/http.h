@@ -11,9 +11,9 @@ namespace physmas::remote {
 struct HttpRequest {
   std::string method;  // GET | POST
   std::string url;
-  std::string body;    // sent as application/json when the method is POST
-  std::string bearer;  // authorisation token, or empty
-  double timeout = 0;  // seconds for the whole exchange
+  std::string body;        // sent as application/json when the method is POST
+  std::string bearer;      // authorisation token, or empty
+  double timeout = 0;      // seconds for the whole exchange
   size_t reply_limit = 0;  // bytes; a longer reply is refused as soon as that is known
 };
 

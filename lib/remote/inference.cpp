@@ -57,8 +57,11 @@ Tensor tensor_from(const Json& output, const TensorSpecification& wanted, const 
     elements *= tensor.shape.back();
     if (elements > kMaxElements) throw bad("/shape: found more than 2^26 elements");
   }
+  // Servers write a batch of single numbers as [N, 1], too (MLServer's codec does).
+  while (tensor.shape.size() > wanted.shape.size() && tensor.shape.back() == 1) tensor.shape.pop_back();
   if (!fits(tensor.shape, wanted.shape))
-    throw bad(fmt::format("/shape: found [{}], expected [{}]", fmt::join(tensor.shape, ", "), fmt::join(wanted.shape, ", ")));
+    throw bad(
+        fmt::format("/shape: found [{}], expected [{}]", fmt::join(tensor.shape, ", "), fmt::join(wanted.shape, ", ")));
   if (!output.contains("data"))
     throw bad("/data: found none, expected JSON numbers (the binary extension is not asked for)");
   flatten(output.at("data"), tensor, source, field);
@@ -102,8 +105,9 @@ void InferenceClient::require_model(const std::vector<std::string>& inputs, cons
     const std::vector<std::string> offered = names_in(reply.body, field);
     for (const std::string& name : wanted) {
       if (std::find(offered.begin(), offered.end(), name) != offered.end()) continue;
-      throw provider_error(metadata.name, fmt::format("/{}: found \"{}\", expected \"{}\" among them", field,
-                                                      one_line(fmt::format("{}", fmt::join(offered, "\", \"")), 200), name));
+      throw provider_error(metadata.name,
+                           fmt::format("/{}: found \"{}\", expected \"{}\" among them", field,
+                                       one_line(fmt::format("{}", fmt::join(offered, "\", \"")), 200), name));
     }
   };
   require("inputs", inputs);

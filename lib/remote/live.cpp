@@ -36,7 +36,8 @@ std::string api_key() {
   const char* text = std::getenv("PM_API_KEY");
   const std::string key = text == nullptr ? "" : text;
   if (std::any_of(key.begin(), key.end(), [](unsigned char c) { return c <= 0x20 || c >= 0x7f; })) {
-    throw Error(ExitCode::usage, "PM_API_KEY: found a character that no key has, expected visible ASCII without spaces");
+    throw Error(ExitCode::usage,
+                "PM_API_KEY: found a character that no key has, expected visible ASCII without spaces");
   }
   return key;
 }
@@ -63,14 +64,15 @@ LiveBackend::LiveBackend(std::string endpoint, const RemoteOptions& options)
 std::string LiveBackend::without_key(const std::string& text) const {
   if (key_.empty()) return text;
   std::string clean = text;
-  for (size_t at = clean.find(key_); at != std::string::npos; at = clean.find(key_, at)) clean.replace(at, key_.size(), "[key]");
+  for (size_t at = clean.find(key_); at != std::string::npos; at = clean.find(key_, at))
+    clean.replace(at, key_.size(), "[key]");
   return clean;
 }
 
 void LiveBackend::wait(double seconds, const std::string& why) {
   if (seconds >= left()) {
-    throw provider_error(endpoint_, fmt::format("{}; waiting {:g} s would exceed the budget of {:g} s", without_key(why),
-                                                seconds, options_.budget));
+    throw provider_error(endpoint_, fmt::format("{}; waiting {:g} s would exceed the budget of {:g} s",
+                                                without_key(why), seconds, options_.budget));
   }
   log_info(fmt::format("{}: {}; trying again in {:g} s", endpoint_, without_key(why), seconds));
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
@@ -85,8 +87,9 @@ HttpResult LiveBackend::follow_redirects(HttpRequest request) {
     if (result.outcome != Outcome::answered || !is_redirect(result.status)) return result;
     const std::string target = origin_of(result.location);
     if (target != origin_of(request.url)) {
-      throw provider_error(endpoint_, fmt::format("HTTP {}: a redirect to {} is refused, expected an answer from this host",
-                                                  result.status, target.empty() ? "nowhere" : without_key(target)));
+      throw provider_error(endpoint_,
+                           fmt::format("HTTP {}: a redirect to {} is refused, expected an answer from this host",
+                                       result.status, target.empty() ? "nowhere" : without_key(target)));
     }
     // Only 307 and 308 keep method and body.
     if ((result.status != 307 && result.status != 308) || hop == kMaxRedirects) {
@@ -110,8 +113,7 @@ HttpResult LiveBackend::answered(const Request& request, const std::string& body
     HttpResult result = follow_redirects(http);
     attempts.push_back({{"status", result.status}, {"why", without_key(result.why)}, {"seconds", watch.seconds()}});
     if (!is_worth_retrying(result)) return result;
-    const std::string why =
-        result.outcome == Outcome::broken ? result.why : fmt::format("HTTP {}", result.status);
+    const std::string why = result.outcome == Outcome::broken ? result.why : fmt::format("HTTP {}", result.status);
     if (attempt == options_.retries) {
       throw provider_error(
           endpoint_, fmt::format("{} after {} attempt{}", without_key(why), attempt + 1, attempt == 0 ? "" : "s"));
@@ -126,7 +128,8 @@ void LiveBackend::check(const Request& request, const HttpResult& result) const 
     case Outcome::answered:
       break;
     case Outcome::timed_out:
-      throw provider_error(endpoint_, fmt::format("no complete reply within {:g} s", std::min(options_.timeout, options_.budget)));
+      throw provider_error(endpoint_,
+                           fmt::format("no complete reply within {:g} s", std::min(options_.timeout, options_.budget)));
     case Outcome::too_large:
       throw provider_error(endpoint_, "found a longer reply, expected at most " + size);
     default:
@@ -136,14 +139,15 @@ void LiveBackend::check(const Request& request, const HttpResult& result) const 
   if (!is_success(result.status)) {
     if (std::find(returned.begin(), returned.end(), result.status) != returned.end()) return;
     const char* fix = result.status == 401 || result.status == 403 ? "; is PM_API_KEY set to a valid key?" : "";
-    throw provider_error(endpoint_, fmt::format("HTTP {}: {}{}", result.status, one_line(without_key(result.body), 200), fix));
+    throw provider_error(endpoint_,
+                         fmt::format("HTTP {}: {}{}", result.status, one_line(without_key(result.body), 200), fix));
   }
   if (!key_.empty() && result.body.find(key_) != std::string::npos)
     throw provider_error(endpoint_, "the reply repeats the key; it is not used and not kept");
   if (!request.wants_json) return;
   const std::string& type = result.content_type;
-  const bool json = type == "application/json" ||
-                    (type.rfind("application/", 0) == 0 && type.size() > 5 && type.compare(type.size() - 5, 5, "+json") == 0);
+  const bool json = type == "application/json" || (type.rfind("application/", 0) == 0 && type.size() > 5 &&
+                                                   type.compare(type.size() - 5, 5, "+json") == 0);
   if (!json) {
     throw provider_error(endpoint_, fmt::format("found a reply of type \"{}\", expected application/json",
                                                 one_line(without_key(type), 80)));

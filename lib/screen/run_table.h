@@ -8,13 +8,13 @@
 namespace physmas::screen {
 
 struct RunSummary {
-  std::string name;       // of the run's folder
-  std::string result;     // accepted | none admitted | failed
-  std::string candidate;  // accepted id, empty when none
-  int rounds = 0;         // screened
-  int candidates = 0;     // executed
-  double score = 0;       // Q of the accepted candidate, else of the best one; 0 without any
-  double seconds = 0;     // wall clock of this call of make; 0 when it is not known
+  std::string name;                                 // of the run's folder
+  std::string result;                               // accepted | none admitted | failed
+  std::string candidate;                            // accepted id, empty when none
+  int rounds = 0;                                   // screened
+  int candidates = 0;                               // executed
+  double score = 0;                                 // Q of the accepted candidate, else of the best one; 0 without any
+  double seconds = 0;                               // wall clock of this call of make; 0 when it is not known
   double simulate_seconds = 0, render_seconds = 0;  // sums over the executed candidates
   std::string reason;
 };

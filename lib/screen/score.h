@@ -21,8 +21,8 @@ struct SceneRecords {
   const Inventory& inventory;
   const Evidence& evidence;
   const Plan& plan;
-  int frames = 0;  // T, the rest frame included
-  double tau = 0;  // acceptance threshold
+  int frames = 0;                                                         // T, the rest frame included
+  double tau = 0;                                                         // acceptance threshold
   std::array<double, 7> weights = RunSpecification::Screening().weights;  // of the features, in the order of phi
 };
 

@@ -13,6 +13,8 @@ import shutil
 import subprocess
 import sys
 
+sys.dont_write_bytecode = True  # the sources' folder may be read-only
+
 import paper_candidates as pc
 import scenes as generated
 

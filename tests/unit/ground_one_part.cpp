@@ -28,7 +28,8 @@ TEST_CASE("ground: parts collapse to their objects in inventory, masks and plan"
                     part("ball", "ball", {"Rubber"}), part("cake", "residual", {})};
   inventory.rows[3].residual = true;
   std::vector<ViewMasks> views = {
-      {"front", {mask({255, 255, 255, 0}, 0.9), Mask()},
+      {"front",
+       {mask({255, 255, 255, 0}, 0.9), Mask()},
        {mask({255, 0, 0, 0}, 0.5), mask({0, 255, 0, 0}, 0.7), mask({0, 0, 0, 255}, 0.6), Mask()}},
       {"left", {Mask(), Mask()}, {mask({255, 0, 0, 0}, 0.5), mask({0, 255, 0, 0}, 0.7), Mask(), Mask()}}};
   Plan plan;

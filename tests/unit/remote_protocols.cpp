@@ -153,6 +153,7 @@ TEST_CASE("remote: tensors, flat or nested, and what is wrong with them") {
   CHECK(tensors_from(v2_reply({1, 2, 3, 4}, {2, 2}), wanted, "s").at("x").numbers == std::vector<double>{1, 2, 3, 4});
   CHECK(tensors_from(v2_reply({{1, 2}, {3, 4}}, {2, 2}), wanted, "s").at("x").shape == std::vector<long>{2, 2});
   CHECK(std::isnan(tensors_from(v2_reply(Json::array({nullptr, 2}), {1, 2}), wanted, "s").at("x").numbers[0]));
+  CHECK(tensors_from(v2_reply({1, 2}, {1, 2, 1}), wanted, "s").at("x").shape == std::vector<long>{1, 2});
   const auto error = [&](const Json& data, const Json& shape) {
     return message_of([&] { tensors_from(v2_reply(data, shape), wanted, "s"); }, ExitCode::provider_failed);
   };
@@ -161,7 +162,8 @@ TEST_CASE("remote: tensors, flat or nested, and what is wrong with them") {
   CHECK(contains(error({"a", 2}, {1, 2}), "expected numbers"));
   CHECK(contains(error({1, 2}, {1 << 26, 2}), "more than 2^26"));
   CHECK(contains(error({1, 2}, {-1, 2}), "expected extents"));
-  CHECK(contains(message_of([&] { tensors_from(Json::object(), wanted, "s"); }, ExitCode::provider_failed), "/outputs: found none"));
+  CHECK(contains(message_of([&] { tensors_from(Json::object(), wanted, "s"); }, ExitCode::provider_failed),
+                 "/outputs: found none"));
 }
 
 TEST_CASE("remote: addresses") {
@@ -171,7 +173,8 @@ TEST_CASE("remote: addresses") {
   CHECK_FALSE(parse_url("http://127.0.0.1.evil.org", "--agent").is_loopback());
   CHECK(origin_of("http://HOST/x") == origin_of("http://host:80/y"));
   CHECK(origin_of("/relative") == "");
-  for (const char* bad : {"http://", "file:///etc/passwd", "http://u@h/", "http://h/?k=v", "http://h/#f", "http://h h/"}) {
+  for (const char* bad :
+       {"http://", "file:///etc/passwd", "http://u@h/", "http://h/?k=v", "http://h/#f", "http://h h/"}) {
     CAPTURE(bad);
     CHECK(contains(message_of([&] { parse_url(bad, "--agent"); }, ExitCode::usage), "--agent: found"));
   }
