@@ -1,5 +1,5 @@
 // Writes the binary and derived fixtures of the command-line tests: small, exact, and made with the library itself.
-//   make_fixture masks INVENTORY OUT CONFIDENCE        four 4x3 views, every semantic row visible in front and right
+//   make_fixture masks INVENTORY OUT CONFIDENCE [W H]  four 4x3 views, every semantic row visible in front and right
 //   make_fixture views SCENE                           the scene's view images, a gradient each
 //   make_fixture state INVENTORY OUT COUNT...          COUNT Gaussians per row, no filled particles
 //   make_fixture video OUT FRAMES                      a noisy 64x64 video of at least 4096 bytes
@@ -35,7 +35,8 @@ Provenance provenance_of(const Arguments& inputs) {
 
 void make_masks(const Arguments& a) {
   const Inventory inventory = load_inventory(a.at(0));
-  const Mask filled{4, 3, std::vector<uint8_t>(12, 255), std::stod(a.at(2)), "fixture"};
+  const int width = a.size() > 3 ? std::stoi(a.at(3)) : 4, height = a.size() > 3 ? std::stoi(a.at(4)) : 3;
+  const Mask filled{width, height, std::vector<uint8_t>(size_t(width) * height, 255), std::stod(a.at(2)), "fixture"};
   std::vector<ViewMasks> views;
   for (const char* name : {"front", "right", "back", "left"}) {
     ViewMasks view{name, std::vector<Mask>(inventory.objects.size()), std::vector<Mask>(inventory.rows.size())};
