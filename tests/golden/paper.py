@@ -4,6 +4,7 @@ Python standard library only, and nothing of lib/: this is the second opinion th
 against. Section names are those of the paper's appendix; "readings" is the project's list of decisions where it is
 silent (docs/method.md repeats them).
 """
+
 import math
 
 # Table "mapping": label -> (branch, E range, nu bound, rho), in the printed order.
@@ -90,8 +91,13 @@ def valid_answers(records):
         if record["status"] != "success" or record.get("abstain", False) or record["confidence"] is None or total <= 0:
             continue
         views = {v.lower() for v in record["views"]} & {"front", "right", "back", "left"}
-        valid.append({"confidence": record["confidence"], "views": len(views),
-                      "p": {m: p / total for m, p in probabilities.items()}})
+        valid.append(
+            {
+                "confidence": record["confidence"],
+                "views": len(views),
+                "p": {m: p / total for m, p in probabilities.items()},
+            }
+        )
     return valid
 
 
@@ -183,20 +189,31 @@ def multi_view_guard(P, before, expected, R, answers, seen):
 
 
 def elastic_guard(P, before, expected, row, answers, seen):
-    words = "".join(c if c.isalnum() else " " for c in text(row.get("physics_group", ""), row.get("structural_role", "")))
+    words = "".join(
+        c if c.isalnum() else " " for c in text(row.get("physics_group", ""), row.get("structural_role", ""))
+    )
     words = set(words.split())
-    structural = bool(words & {"support", "supporting", "structural", "rigid", "loadbearing"}) or \
-        {"load", "bearing"} <= words
+    structural = (
+        bool(words & {"support", "supporting", "structural", "rigid", "loadbearing"}) or {"load", "bearing"} <= words
+    )
     fraction = sum(m in ELASTIC for m in expected) / len(expected) if expected else 1.0
     strong = False
     for answer in answers:
         on_elastic = [p for m, p in answer["p"].items() if m in ELASTIC]
-        tests = {"views": answer["views"] >= 3, "confidence": answer["confidence"] >= 0.60,
-                 "total": sum(on_elastic) >= 0.70, "maximum": max(on_elastic, default=0.0) >= 0.50}
+        tests = {
+            "views": answer["views"] >= 3,
+            "confidence": answer["confidence"] >= 0.60,
+            "total": sum(on_elastic) >= 0.70,
+            "maximum": max(on_elastic, default=0.0) >= 0.50,
+        }
         note(seen, "strong record", tests)
         strong = strong or all(tests.values())
-    tests = {"already elastic": before not in ELASTIC, "not structural": structural, "fraction below 0.50": fraction >= 0.50,
-             "no strong record": strong}
+    tests = {
+        "already elastic": before not in ELASTIC,
+        "not structural": structural,
+        "fraction below 0.50": fraction >= 0.50,
+        "no strong record": strong,
+    }
     note(seen, "elastic-solid", tests)
     if not all(tests.values()):
         return before, False
@@ -284,7 +301,7 @@ def evidence_of(row, observations, whole_label, mask_confidence, seen):
     spread = 0.25
     if len(E) >= 2:
         spread = max(0.25, math.sqrt(weighted([(w, (x - e_mean) * (x - e_mean)) for w, x in E])))
-    e_post = math.log10(clip(10.0 ** e_mean, *E_range))
+    e_post = math.log10(clip(10.0**e_mean, *E_range))
     nu_mean = weighted(nu) if nu else nu_default(label)
     H = -sum(p * math.log(p) for p in P.values() if p > 0)
     h = min(0.5, H / max(1.0, math.log(14)))
@@ -292,10 +309,24 @@ def evidence_of(row, observations, whole_label, mask_confidence, seen):
     mask = mask_confidence if mask_confidence > 0 else 0.7
     seen.add("mask: " + ("sentinel" if mask_confidence <= 0 else "floor" if mask_confidence < 0.2 else "stored"))
     return {
-        "sources": sources, "scores": scores, "fallback": fallback, "P": P, "guards": guards, "label": label,
-        "confidence": P[label], "e": e_post, "e_mean": e_mean, "spread": spread, "sigma_e": sigma_e, "a": mean(a, 0.35),
-        "nu": clip(nu_mean, *nu_range), "nu_mean": nu_mean, "sigma_nu": max(0.02, mean(s, 0.06)), "H": H,
-        "E_records": len(E), "nu_records": len(nu),
+        "sources": sources,
+        "scores": scores,
+        "fallback": fallback,
+        "P": P,
+        "guards": guards,
+        "label": label,
+        "confidence": P[label],
+        "e": e_post,
+        "e_mean": e_mean,
+        "spread": spread,
+        "sigma_e": sigma_e,
+        "a": mean(a, 0.35),
+        "nu": clip(nu_mean, *nu_range),
+        "nu_mean": nu_mean,
+        "sigma_nu": max(0.02, mean(s, 0.06)),
+        "H": H,
+        "E_records": len(E),
+        "nu_records": len(nu),
         "gamma": clip(P[label] / (1 + sigma_e) * max(0.2, mask), 0, 1),
     }
 
@@ -321,7 +352,14 @@ def whole_object(observations):
     E, nu, _, _ = moments(crops, label)
     value = 10.0 ** weighted(E) if E else E_default(label)
     ratio = weighted(nu) if nu else nu_default(label)
-    return (source, label, branch, clip(value, *E_range), clip(clip(ratio, *nu_range), 0.05, 0.485), clip(rho, 100.0, 7800.0))
+    return (
+        source,
+        label,
+        branch,
+        clip(value, *E_range),
+        clip(clip(ratio, *nu_range), 0.05, 0.485),
+        clip(rho, 100.0, 7800.0),
+    )
 
 
 def evidence(inventory, records, mask_confidences, seen):

@@ -1,21 +1,32 @@
 """Candidates and screening recomputed from the paper's text: "Candidate Construction and Repair Transforms" and
 "Validity Gate, Ranking, and Tie Rules". See paper.py."""
+
 import math
 
 from paper import E_default, LABELS, RIGID, clip, has, nu_default, text
 
-INITIAL = ["posterior", "target-impact", "hard-support-bonded", "support-stiff", "solver-compatible", "rigid-support", "soft",
-           "stiff", "uncertainty-sweep", "alternative-material"]
-REPAIRS = ["support-stiffness", "rigid-support", "elastic-cohesion", "higher-cohesion", "solver-stability", "role-balanced"]
+INITIAL = [
+    "posterior", "target-impact", "hard-support-bonded", "support-stiff", "solver-compatible", "rigid-support",
+    "soft", "stiff", "uncertainty-sweep", "alternative-material",
+]
+REPAIRS = [
+    "support-stiffness", "rigid-support", "elastic-cohesion", "higher-cohesion", "solver-stability", "role-balanced",
+]
 KAPPA = {0.15: -1.04, 0.25: -0.67, 0.50: 0.0, 0.75: 0.67, 0.85: 1.04}
 SOFT_BRANCHES = ("Foam", "Plasticine", "Jelly")
 
-S_TOKENS = ["plate", "dish", "tray", "stand", "support", "holder", "structural", "rigid", "load bearing", "load-bearing",
-            "frame", "shell", "blade", "head", "tip", "impact part"]
-S_SOFT = ["soft", "deformable", "compressible", "cushion", "foam", "sponge", "flesh", "fruit", "food", "filling", "cream",
-          "frosting", "icing"]
-C_TOKENS = ["body", "base", "core", "main", "bulk", "filling", "coating", "layer", "cream", "frosting", "icing", "fruit",
-            "organic", "soft", "deformable", "foam", "sponge", "rubber", "gel", "cloth", "fabric", "leather", "pad"]
+S_TOKENS = [
+    "plate", "dish", "tray", "stand", "support", "holder", "structural", "rigid", "load bearing", "load-bearing",
+    "frame", "shell", "blade", "head", "tip", "impact part",
+]
+S_SOFT = [
+    "soft", "deformable", "compressible", "cushion", "foam", "sponge", "flesh", "fruit", "food", "filling", "cream",
+    "frosting", "icing",
+]
+C_TOKENS = [
+    "body", "base", "core", "main", "bulk", "filling", "coating", "layer", "cream", "frosting", "icing", "fruit",
+    "organic", "soft", "deformable", "foam", "sponge", "rubber", "gel", "cloth", "fabric", "leather", "pad",
+]
 
 
 def three_fields(row):
@@ -38,8 +49,11 @@ def C(row, label):
 def omega(row, label):
     if S(row, label):
         return 1.6
-    for weight, tokens in [(1.45, ["candle", "stem", "stick", "handle"]), (1.25, ["fruit", "strawberry", "berry", "decoration"]),
-                           (1.05, ["cream", "frosting", "icing"])]:
+    for weight, tokens in [
+        (1.45, ["candle", "stem", "stick", "handle"]),
+        (1.25, ["fruit", "strawberry", "berry", "decoration"]),
+        (1.05, ["cream", "frosting", "icing"]),
+    ]:
         if has(three_fields(row), tokens):
             return weight
     return 1.0
@@ -62,8 +76,18 @@ class Scene:
             if residual and count == 0:
                 continue
             key = row["object"] + "/" + row["part"]
-            self.active.append({"key": key, "row": row, "psi": psi, "residual": residual, "S": S(row, psi["label"]),
-                                "C": C(row, psi["label"]), "omega": omega(row, psi["label"]), "target": key in targets})
+            self.active.append(
+                {
+                    "key": key,
+                    "row": row,
+                    "psi": psi,
+                    "residual": residual,
+                    "S": S(row, psi["label"]),
+                    "C": C(row, psi["label"]),
+                    "omega": omega(row, psi["label"]),
+                    "target": key in targets,
+                }
+            )
         self.objects = {a["row"]["object"] for a in self.active}
         self.gamma = sum(a["psi"]["gamma"] for a in self.active) / len(self.active)
 
@@ -78,13 +102,19 @@ def at(a, xi_E, xi_nu):
     """Eq. quantile."""
     psi = a["psi"]
     _, E_range, nu_range, _ = LABELS[psi["label"]]
-    return ordinary(psi["label"], clip(10.0 ** (psi["e"] + KAPPA[xi_E] * psi["sigma_e"]), *E_range),
-                    clip(psi["nu"] + KAPPA[xi_nu] * psi["sigma_nu"], *nu_range))
+    return ordinary(
+        psi["label"],
+        clip(10.0 ** (psi["e"] + KAPPA[xi_E] * psi["sigma_e"]), *E_range),
+        clip(psi["nu"] + KAPPA[xi_nu] * psi["sigma_nu"], *nu_range),
+    )
 
 
 def candidate(scene, rows, projection=None, retention=None):
-    return {"rows": {a["key"]: r for a, r in zip(scene.active, rows)}, "projection": projection or {},
-            "retention": retention or []}
+    return {
+        "rows": {a["key"]: r for a, r in zip(scene.active, rows)},
+        "projection": projection or {},
+        "retention": retention or [],
+    }
 
 
 def transform(scene, name, seen):
@@ -116,8 +146,17 @@ def transform(scene, name, seen):
             return None
         second = list(chosen["psi"]["P"])[1]
         seen.add("alternative: " + ("another label" if second != chosen["psi"]["label"] else "the stored label itself"))
-        return candidate(scene, [ordinary(second, E_default(second), nu_default(second))
-                                 if a is chosen and second != a["psi"]["label"] else m for a, m in zip(active, median)])
+        return candidate(
+            scene,
+            [
+                (
+                    ordinary(second, E_default(second), nu_default(second))
+                    if a is chosen and second != a["psi"]["label"]
+                    else m
+                )
+                for a, m in zip(active, median)
+            ],
+        )
     if name == "target-impact":
         if not any(a["target"] and not a["residual"] and not a["S"] and a["C"] for a in active):
             return None
@@ -128,8 +167,12 @@ def transform(scene, name, seen):
                 r.update(branch="Metal", E=1e7, nu=clip(r["nu"], 0.05, 0.35), rho=max(r["rho"], 1000.0))
                 seen.add("target-impact: S row")
             elif a["target"] and a["C"] and not a["residual"]:
-                r.update(branch=r["branch"] if r["branch"] in SOFT_BRANCHES else "Foam", E=clip(r["E"], 2e4, 7.5e4),
-                         nu=clip(r["nu"], 0.2, 0.4), rho=min(450.0, max(300.0, r["rho"])))
+                r.update(
+                    branch=r["branch"] if r["branch"] in SOFT_BRANCHES else "Foam",
+                    E=clip(r["E"], 2e4, 7.5e4),
+                    nu=clip(r["nu"], 0.2, 0.4),
+                    rho=min(450.0, max(300.0, r["rho"])),
+                )
                 seen.add("target-impact: C row")
             elif a["target"]:
                 seen.add("target-impact: residual row" if a["residual"] else "target-impact: neither")
@@ -152,20 +195,39 @@ def transform(scene, name, seen):
     if name == "support-stiff":
         if not supported:
             return None
-        return candidate(scene, [dict(r, branch="Metal", E=1e7, nu=min(r["nu"], 0.35), rho=max(r["rho"], 1000.0))
-                                 if a["S"] else r for a, r in zip(active, median)])
+        return candidate(
+            scene,
+            [
+                dict(r, branch="Metal", E=1e7, nu=min(r["nu"], 0.35), rho=max(r["rho"], 1000.0)) if a["S"] else r
+                for a, r in zip(active, median)
+            ],
+        )
     if name == "solver-compatible":
         if not both:
             return None
         branch = g_branch if g_branch in ("Plasticine", "Jelly", "Foam") else "Plasticine"
-        return candidate(scene, [dict(r, branch=branch, E=clip(a["omega"] * E_g, 0.85 * E_g, 1.7 * E_g),
-                                      nu=clip(nu_g, 0.2, 0.485), rho=rho_g) for a, r in zip(active, median)])
+        return candidate(
+            scene,
+            [
+                dict(
+                    r,
+                    branch=branch,
+                    E=clip(a["omega"] * E_g, 0.85 * E_g, 1.7 * E_g),
+                    nu=clip(nu_g, 0.2, 0.485),
+                    rho=rho_g,
+                )
+                for a, r in zip(active, median)
+            ],
+        )
     if name == "rigid-support":
         if not supported:
             return None
         rows = [at(a, 0.25, 0.75) for a in active]
-        return candidate(scene, [dict(r, E=1e7) if a["S"] else r for a, r in zip(active, rows)],
-                         {a["key"]: 1.0 for a in active if a["S"]})
+        return candidate(
+            scene,
+            [dict(r, E=1e7) if a["S"] else r for a, r in zip(active, rows)],
+            {a["key"]: 1.0 for a in active if a["S"]},
+        )
     raise KeyError(name)
 
 
@@ -209,17 +271,40 @@ def initial(scene, seen):
 
 
 def S_hat(row, r):
-    return has(text(row["name"]), ["plate", "dish", "tray", "bowl", "base support", "support", "stand", "holder", "case",
-                                   "shell", "frame"]) or r["label"] in RIGID
+    return (
+        has(
+            text(row["name"]),
+            ["plate", "dish", "tray", "bowl", "base support", "support", "stand", "holder", "case", "shell", "frame"],
+        )
+        or r["label"] in RIGID
+    )
 
 
 def C_hat(row, r):
     if S_hat(row, r) or r["branch"] in ("Sand", "Snow"):
         return False
     where = text(row["name"], row.get("physics_group", ""), row.get("structural_role", ""), r["label"])
-    return has(where, ["body", "base", "core", "filling", "cream", "frosting", "icing", "soft", "cushion", "pad", "foam",
-                       "sponge", "rubber", "gel", "fruit", "food"]) or \
-        (r["branch"] in SOFT_BRANCHES and r["label"] not in RIGID)
+    return has(
+        where,
+        [
+            "body",
+            "base",
+            "core",
+            "filling",
+            "cream",
+            "frosting",
+            "icing",
+            "soft",
+            "cushion",
+            "pad",
+            "foam",
+            "sponge",
+            "rubber",
+            "gel",
+            "fruit",
+            "food",
+        ],
+    ) or (r["branch"] in SOFT_BRANCHES and r["label"] not in RIGID)
 
 
 def repair(scene, name, base, seen):
@@ -246,8 +331,14 @@ def repair(scene, name, base, seen):
             r.update(elastic)
             seen.add("repair role-balanced: cohesive row")
         rows[a["key"]] = r
-    return {"rows": rows, "projection": projection, "retention": list(base["retention"]), "transform": name,
-            "base": base["base"], "parent": base["id"]}
+    return {
+        "rows": rows,
+        "projection": projection,
+        "retention": list(base["retention"]),
+        "transform": name,
+        "base": base["base"],
+        "parent": base["id"],
+    }
 
 
 def repairs(scene, base, routes, known, seen):
@@ -317,10 +408,15 @@ def score(scene, made, execution, render, seen):
         return 1.0 if r["branch"] == "Jelly" else 0.55 if r["branch"] in ("Foam", "Plasticine") else 0.7
 
     cohesive = [solver(a, r) for a, r in rows if C_hat(a["row"], r)]
-    features = [video, sum(a["psi"]["gamma"] for a, _ in rows) / n, len({r["label"] for _, r in rows}) / n,
-                sum(role(a, r) for a, r in rows) / n, made["base"],
-                sum(0.35 if r["rho"] < 250 else 0.55 if r["rho"] > 5000 else 1.0 for _, r in rows) / n,
-                sum(cohesive) / len(cohesive) if cohesive else 0.7]
+    features = [
+        video,
+        sum(a["psi"]["gamma"] for a, _ in rows) / n,
+        len({r["label"] for _, r in rows}) / n,
+        sum(role(a, r) for a, r in rows) / n,
+        made["base"],
+        sum(0.35 if r["rho"] < 250 else 0.55 if r["rho"] > 5000 else 1.0 for _, r in rows) / n,
+        sum(cohesive) / len(cohesive) if cohesive else 0.7,
+    ]
     penalty = min(0.12, 0.025 * len(made["projection"]) + 0.035 * len(made["retention"]))
     Q = sum(w * f for w, f in zip([1, 0.27, 0.10, 0.25, 0.15, 0.08, 0.15], features)) - penalty
     supports = [r["E"] for a, r in rows if S_hat(a["row"], r)]
@@ -334,8 +430,13 @@ def score(scene, made, execution, render, seen):
     }
     for name, passed in gates.items():
         seen.add("gate {}: {}".format(name, "passed" if passed else "failed"))
-    return {"features": features, "penalty": penalty, "score": Q, "gates": gates,
-            "admitted": all(gates.values()) and Q >= scene.run["screening"]["tau"]}
+    return {
+        "features": features,
+        "penalty": penalty,
+        "score": Q,
+        "gates": gates,
+        "admitted": all(gates.values()) and Q >= scene.run["screening"]["tau"],
+    }
 
 
 def decide(scene, screened, round_, seen):

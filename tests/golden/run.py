@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Holds the tools against the golden recomputation: run.py BIN MAKE_FIXTURE DATA FOLDER
 
-For every generated scene: pm-material, pm-candidates, and round after round pm-screen and pm-candidates --repair, in FOLDER;
-every number that they write is compared with what paper.py and paper_candidates.py make of the same records. Execution
+For every generated scene: pm-material, pm-candidates, and round after round pm-screen and pm-candidates --repair, in
+FOLDER; every number that they write is compared with what paper.py and paper_candidates.py make of the same records. Execution
 and render records are made up. Prints the disagreements and exits 1 when there are any, or when the scenes do not reach
 an outcome that they must reach.
 """
+
 import hashlib
 import json
 import os
@@ -22,27 +23,66 @@ import scenes as generated
 TOLERANCE = 1e-12
 
 REQUIRED = (
-    ["expected: " + s for s in ["applied", "empty set", "only mode is expected", "only P below 0.18", "only above the cap"]] +
-    ["multi-view: " + s for s in [
-        "applied", "several eligible", "only confidence", "only views", "only top probability", "only v is not expected",
-        "only R(v) below 0.50", "only R(v) below R(m) + 0.10", "only P(v) below 0.20", "only P(m) above 1.50 P(v)",
-        "only P(m) - P(v) above 0.18"]] +
-    ["strong record: " + s for s in ["applied", "only views", "only confidence", "only total", "only maximum"]] +
-    ["elastic-solid: " + s for s in ["applied", "applied without expected labels", "only already elastic",
-                                     "only not structural", "only fraction below 0.50", "only no strong record"]] +
-    ["fallback", "mask: sentinel", "mask: floor", "mask: stored"] +
-    ["whole object: " + s for s in ["authored", "crop", "fallback"]] +
-    [name + ": emitted" for name in pc.INITIAL] + [name + ": not retained" for name in pc.INITIAL[2:]] +
-    [name + ": not applicable" for name in pc.INITIAL if name not in ("posterior", "soft", "stiff", "uncertainty-sweep")] +
-    ["target-impact: " + s for s in ["S row", "C row", "neither", "residual row"]] +
-    ["alternative: another label", "alternative: the stored label itself", "bonded: one object", "bonded: several objects"] +
-    ["repair %s: emitted" % name for name in pc.REPAIRS] + ["route: " + name for name in pc.REPAIRS] +
-    ["repair %s: support row" % name for name in pc.REPAIRS if name != "solver-stability"] +
-    ["repair %s: cohesive row" % name for name in ("elastic-cohesion", "higher-cohesion", "role-balanced")] +
-    ["gate %s: %s" % (g, r) for g in ("plan", "process", "numerical", "spread", "flattening", "support")
-     for r in ("passed", "failed")] +
-    ["decision in round %d: %s" % (k, d) for k in (0, 1) for d in ("accept", "repair")] +
-    ["decision in round 2: fail", "audit: failed", "repairs: none left"])
+    [
+        "expected: " + s
+        for s in ["applied", "empty set", "only mode is expected", "only P below 0.18", "only above the cap"]
+    ]
+    + [
+        "multi-view: " + s
+        for s in [
+            "applied",
+            "several eligible",
+            "only confidence",
+            "only views",
+            "only top probability",
+            "only v is not expected",
+            "only R(v) below 0.50",
+            "only R(v) below R(m) + 0.10",
+            "only P(v) below 0.20",
+            "only P(m) above 1.50 P(v)",
+            "only P(m) - P(v) above 0.18",
+        ]
+    ]
+    + ["strong record: " + s for s in ["applied", "only views", "only confidence", "only total", "only maximum"]]
+    + [
+        "elastic-solid: " + s
+        for s in [
+            "applied",
+            "applied without expected labels",
+            "only already elastic",
+            "only not structural",
+            "only fraction below 0.50",
+            "only no strong record",
+        ]
+    ]
+    + ["fallback", "mask: sentinel", "mask: floor", "mask: stored"]
+    + ["whole object: " + s for s in ["authored", "crop", "fallback"]]
+    + [name + ": emitted" for name in pc.INITIAL]
+    + [name + ": not retained" for name in pc.INITIAL[2:]]
+    + [
+        name + ": not applicable"
+        for name in pc.INITIAL
+        if name not in ("posterior", "soft", "stiff", "uncertainty-sweep")
+    ]
+    + ["target-impact: " + s for s in ["S row", "C row", "neither", "residual row"]]
+    + [
+        "alternative: another label",
+        "alternative: the stored label itself",
+        "bonded: one object",
+        "bonded: several objects",
+    ]
+    + ["repair %s: emitted" % name for name in pc.REPAIRS]
+    + ["route: " + name for name in pc.REPAIRS]
+    + ["repair %s: support row" % name for name in pc.REPAIRS if name != "solver-stability"]
+    + ["repair %s: cohesive row" % name for name in ("elastic-cohesion", "higher-cohesion", "role-balanced")]
+    + [
+        "gate %s: %s" % (g, r)
+        for g in ("plan", "process", "numerical", "spread", "flattening", "support")
+        for r in ("passed", "failed")
+    ]
+    + ["decision in round %d: %s" % (k, d) for k in (0, 1) for d in ("accept", "repair")]
+    + ["decision in round 2: fail", "audit: failed", "repairs: none left"]
+)
 
 bin_folder, make_fixture, data, folder = map(os.path.abspath, sys.argv[1:5])
 disagreements = []
@@ -99,11 +139,23 @@ def compare_evidence(where, evidence, golden, whole):
         same(at + " posterior", {e["label"]: e["probability"] for e in row["posterior"]}, psi["P"])
         same(at + " guards", [[g["name"], g["applied"], g["label"]] for g in row["guards"]], psi["guards"])
         same(at + " label", [row["label"], row["confidence"]], [psi["label"], psi["confidence"]])
-        same(at + " E", {k: row["E"][k] for k in ("log10", "mean", "spread", "uncertainty", "dispersion", "records")},
-             {"log10": psi["e"], "mean": psi["e_mean"], "spread": psi["spread"], "uncertainty": psi["a"],
-              "dispersion": psi["sigma_e"], "records": psi["E_records"]})
-        same(at + " nu", {k: row["nu"][k] for k in ("value", "mean", "dispersion", "records")},
-             {"value": psi["nu"], "mean": psi["nu_mean"], "dispersion": psi["sigma_nu"], "records": psi["nu_records"]})
+        same(
+            at + " E",
+            {k: row["E"][k] for k in ("log10", "mean", "spread", "uncertainty", "dispersion", "records")},
+            {
+                "log10": psi["e"],
+                "mean": psi["e_mean"],
+                "spread": psi["spread"],
+                "uncertainty": psi["a"],
+                "dispersion": psi["sigma_e"],
+                "records": psi["E_records"],
+            },
+        )
+        same(
+            at + " nu",
+            {k: row["nu"][k] for k in ("value", "mean", "dispersion", "records")},
+            {"value": psi["nu"], "mean": psi["nu_mean"], "dispersion": psi["sigma_nu"], "records": psi["nu_records"]},
+        )
         same(at + " entropy", row["entropy"], psi["H"])
         same(at + " part confidence", row["part_confidence"], psi["gamma"])
     record = evidence["whole_object"]
@@ -118,8 +170,11 @@ def compare_candidates(where, round_, new):
             continue
         record, golden = read("candidates/%s.json" % id_), new[id_]
         at = "%s %s" % (where, id_)
-        same(at + " rows", {r["key"]: {k: r[k] for k in ("branch", "E", "nu", "rho", "label")} for r in record["rows"]},
-             golden["rows"])
+        same(
+            at + " rows",
+            {r["key"]: {k: r[k] for k in ("branch", "E", "nu", "rho", "label")} for r in record["rows"]},
+            golden["rows"],
+        )
         same(at + " projection", record["controls"]["projection"], golden["projection"])
         same(at + " retention", record["controls"]["retention"], golden["retention"])
         same(at + " base confidence", record["base_confidence"], golden["base"])
@@ -134,23 +189,55 @@ def execute(scene, ids):
         with open("candidates/%s.json" % id_, "rb") as f:
             digest = hashlib.sha256(f.read()).hexdigest()
         tokens = done["execution"]["tokens"]
-        write("rollouts/%s.json" % id_, {
-            "schema": "physmas/execution/1",
-            "provenance": {"tool": "golden", "version": "1", "options": {},
-                           "inputs": [{"path": "../candidates/%s.json" % id_, "sha256": digest}]},
-            "candidate": id_, "process": {"exit": done["execution"]["exit"], "signal": done["execution"]["signal"]},
-            "numerical": {"status": "diverged" if tokens else "stable", "error_tokens": tokens, "first_bad_step": None,
-                          "max_speed": 0, "J_range": [1, 1], "mass": 1, "momentum": {"start": [0, 0, 0], "end": [0, 0, 0]},
-                          "energy": {"kinetic": [], "elastic": [], "potential": []}, "particles_outside": 0},
-            "steps": {"per_frame": 1, "total": 1, "dt": 0.04}, "frames": generated.FRAMES, "omitted": [], "runtime": {}})
+        write(
+            "rollouts/%s.json" % id_,
+            {
+                "schema": "physmas/execution/1",
+                "provenance": {
+                    "tool": "golden",
+                    "version": "1",
+                    "options": {},
+                    "inputs": [{"path": "../candidates/%s.json" % id_, "sha256": digest}],
+                },
+                "candidate": id_,
+                "process": {"exit": done["execution"]["exit"], "signal": done["execution"]["signal"]},
+                "numerical": {
+                    "status": "diverged" if tokens else "stable",
+                    "error_tokens": tokens,
+                    "first_bad_step": None,
+                    "max_speed": 0,
+                    "J_range": [1, 1],
+                    "mass": 1,
+                    "momentum": {"start": [0, 0, 0], "end": [0, 0, 0]},
+                    "energy": {"kinetic": [], "elastic": [], "potential": []},
+                    "particles_outside": 0,
+                },
+                "steps": {"per_frame": 1, "total": 1, "dt": 0.04},
+                "frames": generated.FRAMES,
+                "omitted": [],
+                "runtime": {},
+            },
+        )
         if done["video"]:
             os.makedirs("videos", exist_ok=True)
             shutil.copy("../video.mp4", "videos/%s.mp4" % id_)
-        write("videos/%s.json" % id_, {
-            "schema": "physmas/render/1", "candidate": id_, "video": id_ + ".mp4" if done["video"] else None,
-            "frames_written": generated.FRAMES, "file_size": done["file_size"], "width": 64, "height": 64,
-            "frames": [{"frame": f["frame"], "box": f["box"], "area": 0, "dark_ratio": f["dark"]} for f in done["frames"]],
-            "omitted": [], "runtime": {}})
+        write(
+            "videos/%s.json" % id_,
+            {
+                "schema": "physmas/render/1",
+                "candidate": id_,
+                "video": id_ + ".mp4" if done["video"] else None,
+                "frames_written": generated.FRAMES,
+                "file_size": done["file_size"],
+                "width": 64,
+                "height": 64,
+                "frames": [
+                    {"frame": f["frame"], "box": f["box"], "area": 0, "dark_ratio": f["dark"]} for f in done["frames"]
+                ],
+                "omitted": [],
+                "runtime": {},
+            },
+        )
 
 
 def compare_screen(where, round_, golden):
@@ -170,8 +257,11 @@ def compare_screen(where, round_, golden):
     decision = golden["decision"]
     same(at + " ranking", [c["id"] for c in sorted(record["candidates"], key=lambda c: c["rank"])], decision["ranked"])
     repair = record["repair"] or {"base": None, "routes": []}
-    same(at + " decision", [record["decision"], record["accepted"], repair["base"], repair["routes"]],
-         [decision["decision"], decision["accepted"], decision["base"], decision["routes"]])
+    same(
+        at + " decision",
+        [record["decision"], record["accepted"], repair["base"], repair["routes"]],
+        [decision["decision"], decision["accepted"], decision["base"], decision["routes"]],
+    )
 
 
 def run_scene(number, scene):
@@ -187,17 +277,52 @@ def run_scene(number, scene):
     write("plan.json", scene["plan"])
     tool("make_fixture", "masks", "inventory.json", "masks.h5", scene["mask_confidence"])
     tool("make_fixture", "state", "inventory.json", "state.h5", *scene["counts"])
-    tool("pm-material", "--scene", "scene.json", "--inventory", "inventory.json", "--masks", "masks.h5", "--state", "state.h5",
-         "--predictor", "records.json", "--out", "evidence.json")
+    tool(
+        "pm-material",
+        "--scene",
+        "scene.json",
+        "--inventory",
+        "inventory.json",
+        "--masks",
+        "masks.h5",
+        "--state",
+        "state.h5",
+        "--predictor",
+        "records.json",
+        "--out",
+        "evidence.json",
+    )
     compare_evidence(where, read("evidence.json"), evidence, whole)
-    common = ["--scene", "scene.json", "--inventory", "inventory.json", "--plan", "plan.json", "--evidence", "evidence.json"]
+    common = [
+        "--scene",
+        "scene.json",
+        "--inventory",
+        "inventory.json",
+        "--plan",
+        "plan.json",
+        "--evidence",
+        "evidence.json",
+    ]
     for k, golden in enumerate(rounds):
         repair = ["--repair", "screen/round%d.json" % (k - 1)] if k else []
         tool("pm-candidates", *common, "--state", "state.h5", "--out", "candidates", *repair)
         compare_candidates(where, k, golden["new"])
         execute(scene, read("candidates/round%d.json" % k)["candidates"])
-        code = tool("pm-screen", *common, "--candidates", "candidates", "--rollouts", "rollouts", "--videos", "videos",
-                    "--round", k, "--out", "screen/round%d.json" % k, codes=(0, 6))
+        code = tool(
+            "pm-screen",
+            *common,
+            "--candidates",
+            "candidates",
+            "--rollouts",
+            "rollouts",
+            "--videos",
+            "videos",
+            "--round",
+            k,
+            "--out",
+            "screen/round%d.json" % k,
+            codes=(0, 6)
+        )
         same(where + " exit code", code, 6 if golden["decision"]["decision"] == "fail" else 0)
         compare_screen(where, k, golden)
     os.chdir("..")
@@ -215,8 +340,10 @@ def main():
         print(line)
     for what in missing:
         print("no scene reaches: " + what)
-    print("%d scenes, %d comparisons, %d disagreements, %d of %d required outcomes reached" %
-          (len(scenes), compared, len(disagreements), len(REQUIRED) - len(missing), len(REQUIRED)))
+    print(
+        "%d scenes, %d comparisons, %d disagreements, %d of %d required outcomes reached"
+        % (len(scenes), compared, len(disagreements), len(REQUIRED) - len(missing), len(REQUIRED))
+    )
     sys.exit(1 if disagreements or missing else 0)
 
 

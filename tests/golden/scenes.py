@@ -1,15 +1,23 @@
 """Generated records for the golden comparison: rows and scenes that are kept when they reach something new."""
+
 import copy
 import random
 
 import paper
 import paper_candidates as pc
 
-NAMES = ["plate", "soft plate", "sponge cake", "icing layer", "cream", "candle", "strawberry", "rubber sole", "handle grip",
-         "foam pad", "cushion", "hammer head", "blade", "tire", "cloth", "bowl", "clay dough", "sand pile", "snow base",
-         "thing", "metal_edge", "Lace upper", "case", "candle stem", "wheel", "sole"]
-ROLES = ["", "support", "body", "coating", "structural", "grip", "load bearing", "loadbearing part", "impact part", "decoration"]
-GROUPS = ["", "soft_body", "rigid_support", "granular", "supporting", "bearing load", "supportive", "Rigid body", "food"]
+NAMES = [
+    "plate", "soft plate", "sponge cake", "icing layer", "cream", "candle", "strawberry", "rubber sole",
+    "handle grip", "foam pad", "cushion", "hammer head", "blade", "tire", "cloth", "bowl", "clay dough",
+    "sand pile", "snow base", "thing", "metal_edge", "Lace upper", "case", "candle stem", "wheel", "sole",
+]
+ROLES = [
+    "", "support", "body", "coating", "structural", "grip", "load bearing", "loadbearing part", "impact part",
+    "decoration",
+]
+GROUPS = [
+    "", "soft_body", "rigid_support", "granular", "supporting", "bearing load", "supportive", "Rigid body", "food",
+]
 VIEWS = ["front", "right", "back", "left", "top"]
 LABELS = list(paper.LABELS)
 FRAMES = 3
@@ -32,8 +40,13 @@ class Dice:
 
 
 def make_row(dice, object_, part):
-    row = {"object": object_, "part": part, "name": dice.pick(NAMES), "structural_role": dice.pick(ROLES),
-           "physics_group": dice.pick(GROUPS)}
+    row = {
+        "object": object_,
+        "part": part,
+        "name": dice.pick(NAMES),
+        "structural_role": dice.pick(ROLES),
+        "physics_group": dice.pick(GROUPS),
+    }
     favourites = list(paper.role_evidence(row)[0]) or LABELS
     expected = [dice.pick(favourites + LABELS[:3]) for _ in range(int(4 * dice.random()))]
     if dice.chance(0.2):
@@ -67,17 +80,28 @@ def make_answer(dice, favourites):
     p = dice.pick([0.4, 0.55, 0.7, 0.75, 0.8, 0.95])
     rest = dice.pick([m for m in LABELS if m != top])
     third = dice.pick([m for m in LABELS if m not in (top, rest)])
-    shares = dice.pick([{top: p, rest: round(1 - p, 4)}, {top: p, rest: round(1 - p, 4)}, {top: 0.4, rest: 0.4, third: 0.2},
-                        {top: 6, rest: 1}])
-    return {"status": "failed" if dice.chance(0.05) else "success", "abstain": dice.chance(0.05),
-            "confidence": dice.pick([None, 0.3, 0.59, 0.6, 0.8, 0.9, 1.0]),
-            "views": sorted({dice.pick(VIEWS) for _ in range(7)}) if dice.chance(0.9) else ["front", "right"],
-            "probabilities": {} if dice.chance(0.05) else shares}
+    shares = dice.pick(
+        [
+            {top: p, rest: round(1 - p, 4)},
+            {top: p, rest: round(1 - p, 4)},
+            {top: 0.4, rest: 0.4, third: 0.2},
+            {top: 6, rest: 1},
+        ]
+    )
+    return {
+        "status": "failed" if dice.chance(0.05) else "success",
+        "abstain": dice.chance(0.05),
+        "confidence": dice.pick([None, 0.3, 0.59, 0.6, 0.8, 0.9, 1.0]),
+        "views": sorted({dice.pick(VIEWS) for _ in range(7)}) if dice.chance(0.9) else ["front", "right"],
+        "probabilities": {} if dice.chance(0.05) else shares,
+    }
 
 
 def make_observations(dice, favourites):
-    return {"crops": [make_crop(dice, favourites) for _ in range(int(3.5 * dice.random()))],
-            "vlm": [make_answer(dice, favourites) for _ in range(int(3.5 * dice.random()))]}
+    return {
+        "crops": [make_crop(dice, favourites) for _ in range(int(3.5 * dice.random()))],
+        "vlm": [make_answer(dice, favourites) for _ in range(int(3.5 * dice.random()))],
+    }
 
 
 def make_whole(dice):
@@ -90,14 +114,28 @@ def make_whole(dice):
 
 
 def plan_of(actions):
-    return {"schema": "physmas/plan/1", "prompt": "golden", "resolved": True, "proposal": {}, "corrections": [],
-            "actions": actions}
+    return {
+        "schema": "physmas/plan/1",
+        "prompt": "golden",
+        "resolved": True,
+        "proposal": {},
+        "corrections": [],
+        "actions": actions,
+    }
 
 
 def make_action(dice, references):
-    return {"type": "impulse", "source": None, "target": dice.pick(references), "direction": [0, 0, -1], "magnitude": 1.5,
-            "start": 0.0, "end": 0.04, "role": dice.pick(["target", "target", "target", "source"]),
-            "impact": dice.chance(0.8)}
+    return {
+        "type": "impulse",
+        "source": None,
+        "target": dice.pick(references),
+        "direction": [0, 0, -1],
+        "magnitude": 1.5,
+        "start": 0.0,
+        "end": 0.04,
+        "role": dice.pick(["target", "target", "target", "source"]),
+        "impact": dice.chance(0.8),
+    }
 
 
 def make_scene(seed, rows=None):
@@ -110,27 +148,52 @@ def make_scene(seed, rows=None):
         own.append((row, make_observations(dice, favourites) if dice.chance(0.8) else {}))
     used = rows or own
     present = sorted({row["object"] for row, _ in used})
-    inventory = {"schema": "physmas/inventory/1", "objects": [{"id": o, "name": o} for o in present],
-                 "rows": [row for row, _ in used]}
-    records = {"schema": "physmas/material_records/1",
-               "rows": [{"key": row["object"] + "/" + row["part"], **seen} for row, seen in used if seen]}
+    inventory = {
+        "schema": "physmas/inventory/1",
+        "objects": [{"id": o, "name": o} for o in present],
+        "rows": [row for row, _ in used],
+    }
+    records = {
+        "schema": "physmas/material_records/1",
+        "rows": [{"key": row["object"] + "/" + row["part"], **seen} for row, seen in used if seen],
+    }
     counts = [1 + int(4 * dice.random()) for _ in used]
     if dice.chance(0.5):
-        inventory["rows"] = inventory["rows"] + [{"object": present[0], "part": "residual", "name": "residual", "residual": True}]
+        inventory["rows"] = inventory["rows"] + [
+            {"object": present[0], "part": "residual", "name": "residual", "residual": True}
+        ]
         counts.append(dice.pick([0, 2]))
     whole = None if rows else make_whole(dice)
     if whole is not None:
         records["whole_object"] = whole
     references = present + [r["object"] + "/" + r["part"] for r in inventory["rows"][:-1]]
-    run = {"time": {"frames": FRAMES, "frame_dt": 0.04, "substep_dt": dice.pick([2e-4, 4e-4]), "min_substep_dt": 5e-5,
-                    "max_substeps": dice.pick([800, 300])},
-           "screening": {"initial": dice.pick([10, 10, 6, 2]), "rounds": 3, "repairs": dice.pick([3, 3, 1]),
-                         "tau": dice.pick([0.72, 0.72, 0.5, 2.0])}}
+    run = {
+        "time": {
+            "frames": FRAMES,
+            "frame_dt": 0.04,
+            "substep_dt": dice.pick([2e-4, 4e-4]),
+            "min_substep_dt": 5e-5,
+            "max_substeps": dice.pick([800, 300]),
+        },
+        "screening": {
+            "initial": dice.pick([10, 10, 6, 2]),
+            "rounds": 3,
+            "repairs": dice.pick([3, 3, 1]),
+            "tau": dice.pick([0.72, 0.72, 0.5, 2.0]),
+        },
+    }
     plan = plan_of([make_action(dice, references)] if dice.chance(0.85) else [])
     if dice.chance(0.1):
         plan["resolved"] = False
-    return {"seed": seed, "inventory": inventory, "records": records, "counts": counts, "plan": plan, "run": run,
-            "mask_confidence": dice.pick([0.9, 0.9, 0.6, 0.1, 0.0])}
+    return {
+        "seed": seed,
+        "inventory": inventory,
+        "records": records,
+        "counts": counts,
+        "plan": plan,
+        "run": run,
+        "mask_confidence": dice.pick([0.9, 0.9, 0.6, 0.1, 0.0]),
+    }
 
 
 def outcome(scene, id_):
@@ -144,13 +207,22 @@ def outcome(scene, id_):
     if scene["seed"] % 7 == 0:  # scenes that nothing can be admitted in
         last = [3 * box[0], box[1]]
     # The right and lower edges of a box are exclusive.
-    frames = [{"frame": 0, "box": [0, 0] + box, "dark": 0.0}, {"frame": FRAMES - 1, "box": [0, 0] + last,
-                                                              "dark": dice.pick([0.0, 0.18, 0.3])}]
+    frames = [
+        {"frame": 0, "box": [0, 0] + box, "dark": 0.0},
+        {"frame": FRAMES - 1, "box": [0, 0] + last, "dark": dice.pick([0.0, 0.18, 0.3])},
+    ]
     if dice.chance(0.1):
         frames[1]["box"] = None
-    return {"execution": {"exit": 1 if dice.chance(0.05) else 0, "signal": 9 if dice.chance(0.05) else 0,
-                          "tokens": ["nan"] if dice.chance(0.15) else []},
-            "video": not dice.chance(0.08), "file_size": dice.pick([4095, 4096, 90000, 90000]), "frames": frames}
+    return {
+        "execution": {
+            "exit": 1 if dice.chance(0.05) else 0,
+            "signal": 9 if dice.chance(0.05) else 0,
+            "tokens": ["nan"] if dice.chance(0.15) else [],
+        },
+        "video": not dice.chance(0.08),
+        "file_size": dice.pick([4095, 4096, 90000, 90000]),
+        "frames": frames,
+    }
 
 
 def golden(scene, seen):
@@ -168,9 +240,14 @@ def golden(scene, seen):
             made["step"] = pc.step(built, made)
             known[id_] = made
             done = outcome(scene, id_)
-            render = {"video": done["video"], "file_size": done["file_size"],
-                      "frames": [{"frame": f["frame"], "box": f["box"] and {"w": f["box"][2], "h": f["box"][3],
-                                                                            "dark": f["dark"]}} for f in done["frames"]]}
+            render = {
+                "video": done["video"],
+                "file_size": done["file_size"],
+                "frames": [
+                    {"frame": f["frame"], "box": f["box"] and {"w": f["box"][2], "h": f["box"][3], "dark": f["dark"]}}
+                    for f in done["frames"]
+                ],
+            }
             screened[id_] = pc.score(built, made, done["execution"], render, seen)
         decision = pc.decide(built, screened, k, seen)
         if decision["decision"] == "accept":
@@ -199,17 +276,29 @@ def guard_row(seed, part):
 ROW_SEEDS = [
     0, 1, 2, 3, 6, 10, 14, 15, 16, 17, 21, 22, 27, 31, 40, 43, 44, 47, 55, 92, 94, 151, 162, 167, 207, 216, 228,
     288, 319, 410, 432, 617, 664, 818, 894, 1138, 1253, 1893, 2438, 2636, 2801, 2919, 3170, 13631, 20094, 71513,
-    73440]
+    73440,
+]
 SCENE_SEEDS = [
     2, 3, 4, 5, 6, 7, 8, 11, 12, 13, 14, 18, 23, 27, 31, 35, 38, 42, 60, 65, 67, 74, 75, 84, 88, 105, 117, 125, 135,
-    148, 165, 170, 208, 264, 327, 342, 827, 2126, 3157, 3286]
+    148, 165, 170, 208, 264, 327, 342, 827, 2126, 3157, 3286,
+]
 
 
 # The one outcome that random rows do not reach: P(m) is above P(v) by more than 0.18 but below 1.50 P(v).
-CLOSE_ROW = ({"object": "cake", "part": "close", "name": "cushion", "expected_labels": ["Foam", "Rubber"]},
-             {"crops": [{"evidence": {"Rubber": 0.94}}],
-              "vlm": [{"status": "success", "confidence": 0.6, "views": ["front", "right", "back"],
-                       "probabilities": {"Foam": 0.75, "Rubber": 0.25}}]})
+CLOSE_ROW = (
+    {"object": "cake", "part": "close", "name": "cushion", "expected_labels": ["Foam", "Rubber"]},
+    {
+        "crops": [{"evidence": {"Rubber": 0.94}}],
+        "vlm": [
+            {
+                "status": "success",
+                "confidence": 0.6,
+                "views": ["front", "right", "back"],
+                "probabilities": {"Foam": 0.75, "Rubber": 0.25},
+            }
+        ],
+    },
+)
 
 
 def all_scenes():

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """The worked example of docs/method.md, as the tools print it: worked_example.py BIN MAKE_FIXTURE DATA FOLDER
 
-Runs pm-material, pm-candidates, pm-screen and a repair round on DATA in FOLDER and prints what becomes of one row as Markdown.
+Runs pm-material, pm-candidates, pm-screen and a repair round on DATA in FOLDER and prints what becomes of one row as
+Markdown.
 tests/cli/golden.bats holds the section of docs/method.md against it.
 """
+
 import json
 import os
 import shutil
@@ -50,7 +52,17 @@ with open("scene.json", "w") as f:
 run(make_fixture, "masks", "inventory.json", "masks.h5", "0.9")
 run(make_fixture, "state", "inventory.json", "state.h5", "3", "4", "2", "1")
 run(make_fixture, "video", "video.mp4", "3")
-tool("pm-material", "--masks", "masks.h5", "--state", "state.h5", "--predictor", "material-records.json", "--out", "evidence.json")
+tool(
+    "pm-material",
+    "--masks",
+    "masks.h5",
+    "--state",
+    "state.h5",
+    "--predictor",
+    "material-records.json",
+    "--out",
+    "evidence.json",
+)
 common = ["--plan", "plan.json", "--evidence", "evidence.json"]
 tool("pm-candidates", *common, "--state", "state.h5", "--out", "candidates")
 ids = read("candidates/round0.json")["candidates"]
@@ -60,16 +72,33 @@ for id_ in ids:
     run(make_fixture, "execution", "candidates/%s.json" % id_, "rollouts/%s.json" % id_)
     # The picture of the foreground doubles: the spread gate fails and asks for the cohesion repairs.
     run(make_fixture, "render", id_, "video.mp4", "videos/%s.json" % id_, "3", "20", "11")
-tool("pm-screen", *common, "--candidates", "candidates", "--rollouts", "rollouts", "--videos", "videos", "--round", "0",
-     "--out", "screen.json")
+tool(
+    "pm-screen",
+    *common,
+    "--candidates",
+    "candidates",
+    "--rollouts",
+    "rollouts",
+    "--videos",
+    "videos",
+    "--round",
+    "0",
+    "--out",
+    "screen.json"
+)
 tool("pm-candidates", *common, "--state", "state.h5", "--out", "candidates", "--repair", "screen.json")
 
 row = next(r for r in read("evidence.json")["rows"] if r["key"] == KEY)
 labels = list(row["scores"])
 print("Scores by source, their sums s and the posterior P:\n")
-print(table(["source"] + labels, [[name] + [text(scores.get(m)) for m in labels] for name, scores in row["sources"].items()] +
-            [["s"] + [text(row["scores"][m]) for m in labels]] +
-            [["P"] + [text({e["label"]: e["probability"] for e in row["posterior"]}[m]) for m in labels]]))
+print(
+    table(
+        ["source"] + labels,
+        [[name] + [text(scores.get(m)) for m in labels] for name, scores in row["sources"].items()]
+        + [["s"] + [text(row["scores"][m]) for m in labels]]
+        + [["P"] + [text({e["label"]: e["probability"] for e in row["posterior"]}[m]) for m in labels]],
+    )
+)
 print("\nGuards, with the comparisons that failed:\n")
 rows = []
 for guard in row["guards"]:
@@ -79,12 +108,18 @@ for guard in row["guards"]:
 print(table(["guard", "outcome", "label after it", "failed"], rows))
 print("\nStatistics:\n")
 E, nu = row["E"], row["nu"]
-print(table(["quantity", "value"], [
-    ["ē, s^e, ā", "%s, %s, %s" % tuple(text(E[k]) for k in ("mean", "spread", "uncertainty"))],
-    ["e_post, E_post", "%s, %s Pa" % (text(E["log10"]), text(10 ** E["log10"]))],
-    ["H, σ^e", "%s, %s" % (text(row["entropy"]), text(E["dispersion"]))],
-    ["ν_post, σ^ν", "%s, %s" % (text(nu["value"]), text(nu["dispersion"]))],
-    ["γ^mask, γ^part", "%s, %s" % (text(row["mask_confidence"]), text(row["part_confidence"]))]]))
+print(
+    table(
+        ["quantity", "value"],
+        [
+            ["ē, s^e, ā", "%s, %s, %s" % tuple(text(E[k]) for k in ("mean", "spread", "uncertainty"))],
+            ["e_post, E_post", "%s, %s Pa" % (text(E["log10"]), text(10 ** E["log10"]))],
+            ["H, σ^e", "%s, %s" % (text(row["entropy"]), text(E["dispersion"]))],
+            ["ν_post, σ^ν", "%s, %s" % (text(nu["value"]), text(nu["dispersion"]))],
+            ["γ^mask, γ^part", "%s, %s" % (text(row["mask_confidence"]), text(row["part_confidence"]))],
+        ],
+    )
+)
 print("\nThe row in every candidate:\n")
 rows = []
 for id_ in ids + read("candidates/round1.json")["candidates"]:

@@ -4,6 +4,7 @@
 server.py PORT_FILE LOG_FILE MODE   serves on a free port of 127.0.0.1, which it writes to PORT_FILE; every request is a
 line of JSON in LOG_FILE. It ends when its standard input is closed, or after a minute.
 """
+
 import base64
 import http.server
 import json
@@ -14,8 +15,22 @@ import sys
 import threading
 import time
 
-LABELS = ["Wood", "Metal", "Plastic", "Glass", "Fabric", "Leather", "Ceramic", "Stone", "Rubber", "Paper", "Sand", "Snow",
-          "Plasticine", "Foam"]
+LABELS = [
+    "Wood",
+    "Metal",
+    "Plastic",
+    "Glass",
+    "Fabric",
+    "Leather",
+    "Ceramic",
+    "Stone",
+    "Rubber",
+    "Paper",
+    "Sand",
+    "Snow",
+    "Plasticine",
+    "Foam",
+]
 OUTPUTS = ["E_mean", "E_uncertainty", "nu_mean", "nu_uncertainty", "label_evidence"]
 
 port_file, log_file, mode = sys.argv[1:4]
@@ -26,18 +41,27 @@ lock = threading.Lock()
 def material_answer(body):
     """What the material agent says of a row: the plate abstains, everything else is mostly foam."""
     text = body["messages"][1]["content"][0]["text"]
-    key = json.loads(text[text.index("{"):text.index("}") + 1])["key"]
-    answer = {"key": key, "abstain": False, "confidence": 0.8, "visible_views": ["front", "right", "top"],
-              "labels": [{"label": "Foam", "probability": 0.75}, {"label": "Plasticine", "probability": 0.25}],
-              "profiles": [{"profile": "Foam", "probability": 1.0}], "statistics": {"E": None, "nu": None}}
+    key = json.loads(text[text.index("{") : text.index("}") + 1])["key"]
+    answer = {
+        "key": key,
+        "abstain": False,
+        "confidence": 0.8,
+        "visible_views": ["front", "right", "top"],
+        "labels": [{"label": "Foam", "probability": 0.75}, {"label": "Plasticine", "probability": 0.25}],
+        "profiles": [{"profile": "Foam", "probability": 1.0}],
+        "statistics": {"E": None, "nu": None},
+    }
     if key.endswith("/plate"):
         answer.update(abstain=True, confidence=0, visible_views=[], labels=[], profiles=[])
     return answer
 
 
 def chat_reply(content):
-    return {"id": "x", "object": "chat.completion",
-            "choices": [{"index": 0, "finish_reason": "stop", "message": {"role": "assistant", "content": content}}]}
+    return {
+        "id": "x",
+        "object": "chat.completion",
+        "choices": [{"index": 0, "finish_reason": "stop", "message": {"role": "assistant", "content": content}}],
+    }
 
 
 def inference_reply(body):
@@ -81,9 +105,15 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.end_headers()
         else:
             names = OUTPUTS[:-1] if mode == "no-such-output" else OUTPUTS
-            self.reply(200, {"name": "m", "platform": "test",
-                             "inputs": [{"name": "crops", "datatype": "BYTES", "shape": [-1]}],
-                             "outputs": [{"name": o, "datatype": "FP32", "shape": [-1]} for o in names]})
+            self.reply(
+                200,
+                {
+                    "name": "m",
+                    "platform": "test",
+                    "inputs": [{"name": "crops", "datatype": "BYTES", "shape": [-1]}],
+                    "outputs": [{"name": o, "datatype": "FP32", "shape": [-1]} for o in names],
+                },
+            )
 
     def do_POST(self):
         body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
@@ -201,8 +231,13 @@ class Handler(http.server.BaseHTTPRequestHandler):
         entry = {"path": self.path, "authorization": self.headers.get("Authorization"), "number": number}
         if body is not None and "messages" in body:
             image = body["messages"][1]["content"][1]["image_url"]["url"]
-            entry.update(model=body["model"], temperature=body["temperature"], image=image[:22],
-                         structured="response_format" in body, messages=len(body["messages"]))
+            entry.update(
+                model=body["model"],
+                temperature=body["temperature"],
+                image=image[:22],
+                structured="response_format" in body,
+                messages=len(body["messages"]),
+            )
         with open(log_file, "a") as log:
             log.write(json.dumps(entry) + "\n")
         return number

@@ -3,6 +3,7 @@
 Its "prediction" is a fixed function of the crops, so that the test knows the answer: E_mean is the number of crops, and
 evidence goes to Foam.
 """
+
 from mlserver import MLModel
 from mlserver.codecs import NumpyCodec
 from mlserver.types import InferenceResponse
@@ -19,8 +20,12 @@ class Predictor(MLModel):
         n = len(crops)
         evidence = np.zeros((n, 14), dtype=np.float32)
         evidence[:, 13] = 0.5
-        values = {"E_mean": np.full(n, -float(n)), "E_uncertainty": np.full(n, 0.25), "nu_mean": np.full(n, -1.0),
-                  "nu_uncertainty": np.full(n, 0.03)}
+        values = {
+            "E_mean": np.full(n, -float(n)),
+            "E_uncertainty": np.full(n, 0.25),
+            "nu_mean": np.full(n, -1.0),
+            "nu_uncertainty": np.full(n, 0.03),
+        }
         outputs = [NumpyCodec.encode_output(k, v.astype(np.float32)) for k, v in values.items()]
         outputs.append(NumpyCodec.encode_output("label_evidence", evidence))
         return InferenceResponse(model_name=self.name, outputs=outputs)
