@@ -37,7 +37,7 @@ CXXFLAGS := -std=c++17 -march=$(ARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fn
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
           -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
-          -lavformat -lavcodec -lswscale -lavutil -lcrypto -lfmt
+          -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lfmt
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp)
 TOOL_SOURCES := $(wildcard tools/*.cpp)
@@ -45,17 +45,22 @@ UNIT_SOURCES := $(wildcard tests/unit/*.cpp)
 TEST_TOOL_SOURCES := $(wildcard tests/tools/*.cpp)
 BENCH_SOURCES := $(wildcard tests/bench/*.cpp)
 SCHEMAS := $(wildcard schemas/*.json)
+PROMPTS := $(wildcard lib/*/prompts/*.txt)
 TOOLS := $(TOOL_SOURCES:tools/%.cpp=%)
 TEST_TOOL_SOURCES := $(wildcard tests/tools/*.cpp)
 TEST_TOOLS := $(TEST_TOOL_SOURCES:tests/tools/%.cpp=$(BUILD)/test/%)
 BIN := $(BUILD)/bin
 
 objects = $(patsubst %.cpp,$(BUILD)/obj/%.o,$(1))
-LIB_OBJECTS := $(call objects,$(LIB_SOURCES)) $(BUILD)/obj/gen/schemas.o
+LIB_OBJECTS := $(call objects,$(LIB_SOURCES)) $(BUILD)/obj/gen/schemas.o $(BUILD)/obj/gen/prompts.o
 LIBRARY := $(BUILD)/libphysmas.a
 
 .PHONY: all
 all: $(TOOLS:%=$(BIN)/%) ## Build the tools into build/bin (make -j2)
+
+# The stages whose decisions are compared number by number: no contraction to fused multiply-adds, so that their results do
+# not depend on the processor.
+$(BUILD)/obj/lib/material/% $(BUILD)/obj/lib/candidate/% $(BUILD)/obj/lib/screen/%: CXXFLAGS += -ffp-contract=off
 
 $(BUILD)/obj/%.o: %.cpp | build/.packages
 	@mkdir -p $(@D)
@@ -71,7 +76,16 @@ $(BUILD)/gen/schemas.cpp: $(SCHEMAS) Makefile
 	   for f in $(SCHEMAS); do b=$${f#schemas/}; printf '{"%s", R"pmschema(' "$$b"; cat "$$f"; echo ')pmschema"},'; done; \
 	   echo '}; const int kSchemaTextCount = sizeof(kSchemaTexts) / sizeof(kSchemaTexts[0]); }'; } > $@
 
-$(BUILD)/obj/gen/schemas.o: $(BUILD)/gen/schemas.cpp
+# So do the prompts of the agents: lib/material/prompts/row.txt is "material/row".
+$(BUILD)/gen/prompts.cpp: $(PROMPTS) Makefile
+	@mkdir -p $(@D)
+	@{ echo '// Generated from lib/*/prompts/*.txt by the Makefile.'; \
+	   echo '#include "remote/prompt_text.h"'; \
+	   echo 'namespace physmas::remote { const PromptText kPromptTexts[] = {'; \
+	   for f in $(PROMPTS); do b=$${f#lib/}; b=$${b%.txt}; printf '{"%s", R"pmprompt(' "$${b/\/prompts/}"; cat "$$f"; echo ')pmprompt"},'; done; \
+	   echo '}; const int kPromptTextCount = sizeof(kPromptTexts) / sizeof(kPromptTexts[0]); }'; } > $@
+
+$(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.cpp
 	@mkdir -p $(@D)
 	$(Q)$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
 
@@ -111,7 +125,8 @@ endif
 PACKAGES := g++ make libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgproc-dev \
             libopencv-imgcodecs-dev libavcodec-dev \
             libavformat-dev libavutil-dev libswscale-dev nlohmann-json3-dev libvalijson-dev \
-            libssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats python3 gnuplot-nox
+            libssl-dev libcurl4-openssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats python3 \
+            gnuplot-nox
 
 # What dpkg does not report as installed. Empty where there is no dpkg: the compiler will tell.
 find_missing = if command -v dpkg-query >/dev/null; then for p in $(PACKAGES); do \
@@ -173,10 +188,14 @@ endif
 ifneq ($(filter demo run,$(MAKECMDGOALS)),)
   include pipelines/physmas.mk
 endif
+ifneq ($(filter batch,$(MAKECMDGOALS)),)
+  include pipelines/batch.mk
+endif
 
-.PHONY: demo run
+.PHONY: demo run batch
 demo: run-finished ## Install, build, run the example EXAMPLE=cake end to end, say where the video is
 run: run-finished ## Run your own file: GAUSSIANS=scene.ply PROMPT="..." [UP=z] [RUN=runs/name] [SET="key=value ..."]
+batch: batch-finished ## Run many scenes and write one table: SCENES="cake my/scene.json ..." or SCENES=list.txt
 
 # --- Tests --------------------------------------------------------------------------------------------------------
 

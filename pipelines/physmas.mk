@@ -7,6 +7,9 @@
 #              AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
 #   SCENE      a scene.json                                 -> used where it lies
 # SET      run settings that win over the scene's: SET="screening.tau=0.6 time.frames=20"
+# AGENT    who looks at the rows: builtin, the URL of a chat server (with MODEL), or replay:DIR    -> pm-material --agent
+# PREDICTOR  none, the URL of an inference server, replay:DIR, or a file of records          -> pm-material --predictor
+# AUTHORED a file of authored material records                                               -> pm-material --authored
 # THREADS  threads per tool; by default the cores are divided by make's -j
 #
 # Two conventions carry the incremental behaviour:
@@ -46,6 +49,7 @@ define newline
 endef
 REQUEST := $(foreach v,EXAMPLE GAUSSIANS PROMPT UP INVENTORY MASKS VIEWS CAMERAS SPEC DROP AZIMUTH ELEVATION,$(v)=$(value $(v))$(newline))
 SETTINGS := $(value SET)
+MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))
 # Through the environment, so that quotes and dollar signs in a prompt reach the tool as they were typed.
 export PM_PROMPT := $(value PROMPT)
 ifeq ($(PHASE),0)
@@ -58,8 +62,11 @@ ifeq ($(PHASE),0)
   ifneq (x$(strip $(file <$(RUN)/settings)),$(if $(wildcard $(RUN)/settings),x)$(strip $(SETTINGS)))
     $(file >$(RUN)/settings,$(SETTINGS))
   endif
+  ifneq (x$(strip $(file <$(RUN)/models)),$(if $(wildcard $(RUN)/models),x)$(strip $(MODELS)))
+    $(file >$(RUN)/models,$(MODELS))
+  endif
 endif
-$(RUN)/request $(RUN)/settings: ;
+$(RUN)/request $(RUN)/settings $(RUN)/models: ;
 
 # --- The bundle ---------------------------------------------------------------------------------------------------
 
@@ -110,11 +117,15 @@ $(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(ca
 	$(finish)
 $(RUN)/state.h5: $(STAMPS)/lift ;
 
-$(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks.h5 $(RUN)/state.h5 \
-                    $(call missing,$(RUN)/evidence.json) | $(BIN)/pm-material
+# Recorded exchanges and files of records are inputs, as a server is not.
+replayed = $(wildcard $(patsubst replay:%,%/*.json,$(filter replay:%,$(1))))
+MATERIAL_INPUTS := $(call replayed,$(AGENT)) $(call replayed,$(PREDICTOR)) $(wildcard $(AUTHORED) $(filter-out replay:%,$(PREDICTOR)))
+$(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks.h5 $(RUN)/state.h5 $(RUN)/models \
+                    $(MATERIAL_INPUTS) $(call missing,$(RUN)/evidence.json) | $(BIN)/pm-material
 	$(call stage,material,$(RUN)/evidence.json)
 	@$(BIN)/pm-material --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --state $(RUN)/state.h5 \
-	  --out $(RUN)/evidence.json $(tool_threads)
+	  --out $(RUN)/evidence.json $(if $(AGENT),--agent "$(AGENT)") $(if $(MODEL),--model "$(MODEL)") \
+	  $(if $(PREDICTOR),--predictor "$(PREDICTOR)") $(if $(AUTHORED),--authored "$(AUTHORED)") $(tool_threads)
 	$(finish)
 $(RUN)/evidence.json: $(STAMPS)/material ;
 

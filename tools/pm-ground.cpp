@@ -6,6 +6,7 @@
 #include "base/command_line.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "ground/one_part.h"
 #include "ground/perception.h"
 #include "ground/scene_geometry.h"
 #include "ground/scene_inventory.h"
@@ -42,9 +43,10 @@ int ground_scene(const Options& options) {
   Inventory inventory =
       scene.inventory.empty() ? ground::inventory_from_prompt(scene.prompt) : load_inventory(scene.inventory);
   ground::complete_inventory(inventory, view_names, scene.inventory);
-  const ground::Perception perception = ground::perceive(scene, inventory, folder);
+  ground::Perception perception = ground::perceive(scene, inventory, folder);
   const ground::SceneGeometry geometry = ground::measure_scene(scene, inventory, perception.views);
-  const Plan plan = ground::plan_from_prompt(scene.prompt, inventory, geometry, scene.run, scene.file);
+  Plan plan = ground::plan_from_prompt(scene.prompt, inventory, geometry, scene.run, scene.file);
+  if (!scene.run.ablation.object_part_state) ground::collapse_parts(inventory, perception.views, plan);
 
   Provenance provenance;
   provenance.tool = "pm-ground";

@@ -1,37 +1,93 @@
-// pm-material: row-wise material evidence from the inventory, the masks and, when given, a predictor's records.
+// pm-material: row-wise material evidence from the inventory, the masks and, when given, models and authored records.
+#include <filesystem>
+#include <memory>
+#include <optional>
+
 #include "base/command_line.h"
 #include "base/error.h"
+#include "base/file.h"
 #include "base/log.h"
+#include "material/chat_source.h"
 #include "material/evidence.h"
+#include "material/predictor_source.h"
 #include "records/state.h"
-#include "scene/scene.h"
 
 using namespace physmas;
+using remote::BackendKind;
 
 namespace {
 
 struct Options {
-  std::string scene, inventory, masks, state, out;
+  std::string scene, inventory, masks, state, out, authored, model;
   std::string agent = "builtin";
   std::string predictor = "none";
+  remote::RemoteOptions remote;
 };
 
-bool is_remote(const std::string& name) {
-  return name.find("://") != std::string::npos || name.rfind("replay:", 0) == 0;
+// What the models and the authored files say; empty when there is none of them.
+std::optional<MaterialRecords> observe(const Options& options, const Scene& scene, const Inventory& inventory,
+                                       const std::vector<ViewMasks>& masks, Evidence& evidence,
+                                       Provenance& provenance) {
+  const BackendKind agent = remote::backend_kind(options.agent, {"builtin"});
+  const BackendKind predictor = remote::backend_kind(options.predictor, {"none"});
+  std::optional<MaterialRecords> records;
+  const auto take = [&](const MaterialRecords& more) {
+    if (!records) records.emplace();
+    append_records(*records, more);
+  };
+  const auto keep_exchanges = [&](const remote::Backend& backend) {
+    evidence.exchanges.insert(evidence.exchanges.end(), backend.exchanges().begin(), backend.exchanges().end());
+  };
+  for (const std::string& file : {options.authored, predictor == BackendKind::file ? options.predictor : ""}) {
+    if (file.empty()) continue;
+    provenance.add_input(file);
+    take(load_material_records(file, inventory));
+  }
+  if (agent == BackendKind::builtin && (predictor == BackendKind::builtin || predictor == BackendKind::file))
+    return records;
+  // Both are opened before anything is asked: a wrong flag should not cost an answer.
+  std::unique_ptr<remote::Backend> predictor_backend, agent_backend;
+  std::optional<remote::ChatClient> chat;
+  if (predictor == BackendKind::remote || predictor == BackendKind::recorded)
+    predictor_backend = remote::open_backend(options.predictor, "--predictor", "/v2/models/predictor", options.remote);
+  if (agent != BackendKind::builtin) {
+    agent_backend = remote::open_backend(options.agent, "--agent", "/v1", options.remote);
+    chat.emplace(*agent_backend, options.model);
+  }
+  const std::vector<material::ViewPicture> pictures = material::load_view_pictures(scene);
+  if (predictor_backend) {
+    remote::InferenceClient client(*predictor_backend, "predictor");
+    take(material::predict_rows(client, inventory, pictures, masks));
+    keep_exchanges(*predictor_backend);
+  }
+  if (chat) {
+    take(material::ask_about_rows(*chat, inventory, pictures, masks, evidence.omitted));
+    keep_exchanges(*agent_backend);
+  }
+  return records;
 }
 
-int work(const Options& options) {
-  if (options.agent != "builtin") {
-    throw Error(ExitCode::usage,
-                "--agent " + one_line(options.agent) + ": remote material agents are not built yet, expected builtin");
+// The same for a server and for its recorded exchanges, so that a replay gives the same bytes.
+std::string option_text(const std::string& text, const std::vector<std::string>& words, const char* model) {
+  switch (remote::backend_kind(text, words)) {
+    case BackendKind::builtin:
+      return text;
+    case BackendKind::file:
+      return "file";
+    default:
+      return model;
   }
-  if (is_remote(options.predictor)) {
-    throw Error(ExitCode::usage, "--predictor " + one_line(options.predictor) +
-                                     ": remote predictors are not built yet, expected none or a file of records");
-  }
+}
+
+int work(Options options) {
+  if (remote::backend_kind(options.agent, {"builtin"}) == BackendKind::file)
+    throw Error(ExitCode::usage, "--agent " + one_line(options.agent) + ": expected builtin, a URL, or replay:DIR");
+  if (options.remote.exchanges.empty())
+    options.remote.exchanges = (std::filesystem::path(folder_of(options.out)) / "exchanges").string();
   Provenance provenance;
   provenance.tool = "pm-material";
-  provenance.options = {{"agent", options.agent}};
+  provenance.options = {{"agent", option_text(options.agent, {"builtin"}, "chat model")},
+                        {"predictor", option_text(options.predictor, {"none"}, "inference model")}};
   for (const std::string& input : {options.scene, options.inventory, options.masks, options.state})
     provenance.add_input(input);
 
@@ -43,14 +99,11 @@ int work(const Options& options) {
   for (const SceneView& view : scene.views) view_names.push_back(view.name);
   const std::vector<ViewMasks> masks = load_masks(options.masks, inventory, view_names);
   const State state = load_state(options.state, &inventory);
-  std::optional<MaterialRecords> records;
-  if (options.predictor != "none") {
-    provenance.add_input(options.predictor);
-    records = load_material_records(options.predictor, inventory);
-  }
 
-  const Evidence evidence = material::reason_about_materials(inventory, state.gaussians_per_row(),
-                                                             material::mask_confidences(inventory, masks), records);
+  Evidence evidence;
+  const std::optional<MaterialRecords> records = observe(options, scene, inventory, masks, evidence, provenance);
+  material::reason_about_materials(evidence, inventory, state.gaussians_per_row(),
+                                   material::mask_confidences(inventory, masks), records);
   for (const EvidenceRow& row : evidence.rows) {
     log_info(row.key + ": " + kLabels[row.label].name + ", P " + std::to_string(row.confidence));
   }
@@ -68,8 +121,10 @@ int main(int argc, char** argv) {
   tool.footer =
       "Example: pm-material --scene scene.json --inventory inventory.json --masks masks.h5 --state state.h5 "
       "--out evidence.json\n"
-      "Reads physmas/scene, inventory, masks, state and, with --predictor FILE, physmas/material_records; writes "
-      "physmas/evidence.\n"
+      "Reads physmas/scene, inventory, masks, state and, with --predictor FILE or --authored, "
+      "physmas/material_records; "
+      "writes physmas/evidence and, with a model server, exchanges/NAME.json (physmas/exchange).\n"
+      "The key for a model server is read from the environment variable PM_API_KEY and written nowhere.\n"
       "The confidence of a row's mask is the mean over the views whose mask is not empty, 0 (unavailable) without any.";
   tool.options = [&](CLI::App& app) {
     app.add_option("--scene", options.scene, "scene.json or its slice")->required()->type_name("FILE");
@@ -77,13 +132,21 @@ int main(int argc, char** argv) {
     app.add_option("--masks", options.masks, "masks.h5")->required()->type_name("FILE");
     app.add_option("--state", options.state, "state.h5")->required()->type_name("FILE");
     app.add_option("--out", options.out, "evidence.json to write")->required()->type_name("FILE");
-    app.add_option("--agent", options.agent, "Who reasons about materials: builtin")
+    app.add_option("--agent", options.agent,
+                   "Who looks at the rows: builtin (nobody: schema and roles), the URL of an OpenAI-compatible server "
+                   "(http://localhost:8000/v1), or replay:DIR")
         ->capture_default_str()
-        ->type_name("NAME");
+        ->type_name("builtin|URL|replay:DIR");
+    app.add_option("--model", options.model, "Name of the chat model on that server")->type_name("NAME");
     app.add_option("--predictor", options.predictor,
-                   "Crop, vision-language and authored records: none, or a file (physmas/material_records)")
+                   "Crop-conditioned E and nu: none, a model behind the Open Inference Protocol v2 "
+                   "(http://host/v2/models/NAME), replay:DIR, or a file of records (physmas/material_records)")
         ->capture_default_str()
-        ->type_name("none|FILE");
+        ->type_name("none|URL|replay:DIR|FILE");
+    app.add_option("--authored", options.authored,
+                   "Authored crops and answers, ahead of the predictor's and the agent's")
+        ->type_name("FILE");
+    remote::add_remote_options(app, options.remote);
   };
   tool.work = [&](const CommonOptions&) { return work(options); };
   return run_tool(argc, argv, tool);

@@ -13,6 +13,7 @@
 #include "screen/audit.h"
 #include "screen/decide.h"
 #include "screen/explain.h"
+#include "screen/run_table.h"
 
 using namespace physmas;
 namespace fs = std::filesystem;
@@ -23,6 +24,7 @@ struct Options {
   std::string scene, plan, evidence, inventory, candidates, rollouts, videos, out, accepted, final_video;
   int round = -1;
   bool explain = false;
+  std::vector<std::string> table;
 };
 
 std::string in(const std::string& folder, const std::string& name) {
@@ -62,6 +64,7 @@ screen::Executed load_executed(const Options& options, const std::string& id, in
   if (executed.execution.candidate != id)
     throw invalid_field(execution_path, "/candidate", executed.execution.candidate, "\"" + id + "\"");
   require_made_from(execution_path, candidate_path, true);
+  require_same_state(execution_path, candidate_path);
   executed.render = load_render(render_path);
   if (executed.render.candidate != id)
     throw invalid_field(render_path, "/candidate", executed.render.candidate, "\"" + id + "\"");
@@ -155,7 +158,8 @@ ScreenRecord screen_round(const Options& options) {
   const Evidence evidence = load_evidence(options.evidence, keys);
   const std::vector<screen::Executed> executed = load_all(options, inventory, provenance);
 
-  const screen::SceneRecords records{inventory, evidence, plan, run.time.frames, run.screening.tau};
+  const screen::SceneRecords records{inventory,       evidence,          plan,
+                                     run.time.frames, run.screening.tau, run.screening.weights};
   ScreenRecord record = screen::decide_round(executed, records, options.round, run.screening.rounds);
   const std::string chosen = record.accepted;
   const auto best = std::find_if(executed.begin(), executed.end(),
@@ -178,6 +182,12 @@ ScreenRecord screen_round(const Options& options) {
 
 int work(const Options& options) {
   require(options.out, "--out");
+  if (!options.table.empty()) {
+    std::vector<screen::RunSummary> runs;
+    for (const std::string& run : options.table) runs.push_back(screen::summarise_run(run));
+    write_file(options.out, screen::run_table(runs));
+    return static_cast<int>(ExitCode::done);
+  }
   // Only --out: print a record that is there.
   if (options.explain && options.scene.empty()) {
     print(screen::explain(load_screen(options.out)));
@@ -216,6 +226,7 @@ int main(int argc, char** argv) {
       "--candidates candidates --rollouts rollouts --videos videos --round 0 --out screen/round0.json "
       "--accepted accepted.json --final final.mp4\n"
       "Print a record: pm-screen --explain --out screen/round0.json\n"
+      "Runs in a table: pm-screen --table runs/a runs/b --out table.tsv\n"
       "Reads physmas/scene, plan, evidence, inventory, round, candidate, execution, render; writes physmas/screen and, "
       "on acceptance, physmas/accepted and the video (both are removed when nothing is accepted). Exit code 6: no "
       "candidate was admitted in the last round, or the audit failed.";
@@ -232,6 +243,8 @@ int main(int argc, char** argv) {
     app.add_option("--out", options.out, "screen/roundN.json to write, or to print")->type_name("FILE");
     app.add_option("--accepted", options.accepted, "accepted.json to write on acceptance")->type_name("FILE");
     app.add_option("--final", options.final_video, "Copy of the accepted video to write")->type_name("FILE");
+    app.add_option("--table", options.table, "Folders of runs: write what became of them to --out, tab-separated")
+        ->type_name("DIR...");
     app.add_flag("--explain", options.explain, "Print the round as a table; with --out alone, a record that is there");
   };
   tool.work = [&](const CommonOptions&) { return work(options); };

@@ -224,6 +224,7 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   const Scene scene = load_scene(options.scene, {});
   const State state = load_state(options.state);
   const Candidate candidate = load_candidate(options.candidate);
+  require_made_from(options.candidate, options.state, false);
   RunSpecification run = scene.run;
   if (options.grid > 0) run.grid.n = options.grid;
   if (options.frames > 0) run.time.frames = options.frames;

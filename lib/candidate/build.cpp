@@ -22,6 +22,13 @@ Candidate complete(const Context& context, Configuration configuration, const st
   return candidate;
 }
 
+// The study without structure projection: U_aux is empty.
+void take_out_controls(const Context& context, Configuration& configuration) {
+  if (context.run.ablation.structure_projection) return;
+  configuration.projection.clear();
+  configuration.retention.clear();
+}
+
 // The first candidate with these rows and controls, or null.
 template <class Candidates>
 auto find_equal(Candidates& candidates, const Configuration& configuration) -> decltype(&candidates.front()) {
@@ -35,9 +42,12 @@ auto find_equal(Candidates& candidates, const Configuration& configuration) -> d
 
 Round build_initial(const Context& context, const std::string& plan_file) {
   Round round;
+  if (!context.run.ablation.structure_projection)
+    round.omitted.push_back({"projection weights and retention", "ablation.structure_projection is false"});
   for (const char* name : kInitialTransforms) {
     std::string why;
     std::optional<Configuration> configuration = transform(context, name, why);
+    if (configuration) take_out_controls(context, *configuration);
     if (!configuration) {
       round.omitted.push_back({name, why});
       continue;
@@ -82,6 +92,7 @@ Round build_repairs(const Context& context, const ScreenRecord& screen, const st
       continue;
     }
     Configuration configuration = repair(context, name, *base);
+    take_out_controls(context, configuration);
     const Candidate* equal = find_equal(seen, configuration);
     if (equal == nullptr) equal = find_equal(round.candidates, configuration);
     if (equal != nullptr) {

@@ -36,6 +36,8 @@ EvidenceRow row_evidence(const InventoryRow& row, const RowObservations& observa
     pool_statistics(evidence, {});
     return evidence;
   }
+  if (!observations.crops.empty() || !observations.vlm.empty())
+    evidence.observations = {{"crops", to_json(observations.crops)}, {"vlm", to_json(observations.vlm)}};
   std::vector<std::string> unknown;
   evidence.expected_labels = canonical_labels(row.expected_labels, unknown);
   accumulate_scores(evidence, row, observations, whole_label);
@@ -45,12 +47,11 @@ EvidenceRow row_evidence(const InventoryRow& row, const RowObservations& observa
   return evidence;
 }
 
-Evidence reason_about_materials(const Inventory& inventory, const std::vector<long>& gaussians,
-                                const std::vector<double>& mask_confidence,
-                                const std::optional<MaterialRecords>& records) {
-  Evidence evidence;
+void reason_about_materials(Evidence& evidence, const Inventory& inventory, const std::vector<long>& gaussians,
+                            const std::vector<double>& mask_confidence, const std::optional<MaterialRecords>& records) {
   if (!records) {
-    evidence.omitted.push_back({"crop and vision-language evidence", "no predictor was given (--predictor none)"});
+    evidence.omitted.push_back(
+        {"crop and vision-language evidence", "neither a model nor a file of records was given"});
   }
   evidence.whole_object = whole_object_record(records ? records->whole_object : std::nullopt);
   if (evidence.whole_object.label < 0) {
@@ -73,7 +74,6 @@ Evidence reason_about_materials(const Inventory& inventory, const std::vector<lo
     evidence.rows.push_back(
         row_evidence(row, observations, gaussians[r], mask_confidence[r], evidence.whole_object.label));
   }
-  return evidence;
 }
 
 }  // namespace physmas::material

@@ -21,11 +21,10 @@ std::vector<double> mask_confidences(const Inventory& inventory, const std::vect
 EvidenceRow row_evidence(const InventoryRow& row, const RowObservations& observations, long gaussians,
                          double mask_confidence, int whole_label);
 
-// All rows in inventory order and the whole-object record; what was left out is listed in `omitted`.
-// gaussians, mask_confidence: [inventory.rows]. records: empty when there is no predictor.
-Evidence reason_about_materials(const Inventory& inventory, const std::vector<long>& gaussians,
-                                const std::vector<double>& mask_confidence,
-                                const std::optional<MaterialRecords>& records);
+// Fills all rows in inventory order and the whole-object record; what was left out is appended to `omitted`.
+// gaussians, mask_confidence: [inventory.rows]. records: empty when there is neither a model nor an authored file.
+void reason_about_materials(Evidence& evidence, const Inventory& inventory, const std::vector<long>& gaussians,
+                            const std::vector<double>& mask_confidence, const std::optional<MaterialRecords>& records);
 
 }  // namespace physmas::material
 

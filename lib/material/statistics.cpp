@@ -144,6 +144,7 @@ WholeObject whole_object_record(const std::optional<WholeObjectObservations>& ob
   whole.E = prior.clip_E(E.x.empty() ? prior.E_default() : std::pow(10.0, E.mean()));
   whole.nu = clip(prior.clip_nu(nu.x.empty() ? prior.nu_default() : nu.mean()), kWholeNu_lo, kWholeNu_hi);
   whole.rho = clip(prior.rho, kWholeRho_lo, kWholeRho_hi);
+  if (!observations->crops.empty()) whole.crops = to_json(observations->crops);
   return whole;
 }
 

@@ -1,15 +1,12 @@
 #include "records/evidence.h"
 
+#include <fmt/format.h>
+
 #include <array>
+#include <cmath>
 
 namespace physmas {
 namespace {
-
-Json scores_json(const LabelScores& scores) {
-  Json json = Json::object();
-  for (const auto& [label, score] : scores) json[kLabels[label].name] = score;
-  return json;
-}
 
 int label_from(const Json& json) {
   return find_label(json.get<std::string>()).value();
@@ -25,11 +22,37 @@ LabelScores scores_from(const Json& json, const std::string& file, const std::st
   return scores;
 }
 
+// What the schema cannot see: a posterior in stored order, and centres inside the selected label's domain.
+void check_row(const EvidenceRow& row, const std::string& file, const std::string& pointer) {
+  constexpr double kRounding = 1e-9;
+  double sum = 0;
+  for (size_t i = 0; i < row.posterior.size(); ++i) {
+    sum += row.posterior[i].second;
+    if (i > 0 && row.posterior[i].second > row.posterior[i - 1].second) {
+      throw invalid_field(file, pointer + "/posterior/" + std::to_string(i) + "/probability", row.posterior[i].second,
+                          "no more than the one before it: the posterior is stored in descending order");
+    }
+  }
+  if (std::abs(sum - 1) > kRounding)
+    throw invalid_field(file, pointer + "/posterior", sum, "probabilities that sum to 1");
+  const LabelPrior& prior = kLabels[row.label];
+  const double lo = std::log10(prior.E_lo), hi = std::log10(prior.E_hi);
+  if (row.log10_E < lo - kRounding || row.log10_E > hi + kRounding) {
+    throw invalid_field(file, pointer + "/E/log10", row.log10_E,
+                        fmt::format("{} to {}, the domain of {}", lo, hi, prior.name));
+  }
+  if (row.nu < prior.nu_lo - kRounding || row.nu > prior.nu_hi + kRounding) {
+    throw invalid_field(file, pointer + "/nu/value", row.nu,
+                        fmt::format("{} to {}, the domain of {}", prior.nu_lo, prior.nu_hi, prior.name));
+  }
+}
+
 EvidenceRow row_from(const Json& json, const std::string& file, const std::string& pointer) {
   EvidenceRow row;
   row.key = json.at("key").get<std::string>();
   row.residual = json.at("residual").get<bool>();
   row.gaussians = json.at("gaussians").get<long>();
+  if (json.contains("observations")) row.observations = json.at("observations");
   for (const Json& label : json.value("expected_labels", Json::array()))
     row.expected_labels.push_back(label_from(label));
   for (const auto& [source, scores] : json.at("sources").items()) {
@@ -67,6 +90,7 @@ EvidenceRow row_from(const Json& json, const std::string& file, const std::strin
   row.entropy = json.value("entropy", 0.0);
   row.mask_confidence = json.at("mask_confidence").get<double>();
   row.part_confidence = json.at("part_confidence").get<double>();
+  check_row(row, file, pointer);
   return row;
 }
 
@@ -75,6 +99,7 @@ Json row_json(const EvidenceRow& row) {
   json["key"] = row.key;
   json["residual"] = row.residual;
   json["gaussians"] = row.gaussians;
+  if (!row.observations.is_null()) json["observations"] = row.observations;
   json["expected_labels"] = Json::array();
   for (int label : row.expected_labels) json["expected_labels"].push_back(kLabels[label].name);
   json["sources"] = Json::object();
@@ -116,6 +141,12 @@ Json row_json(const EvidenceRow& row) {
 
 }  // namespace
 
+Json scores_json(const LabelScores& scores) {
+  Json json = Json::object();
+  for (const auto& [label, score] : scores) json[kLabels[label].name] = score;
+  return json;
+}
+
 double EvidenceRow::probability(int wanted) const {
   for (const auto& [candidate, p] : posterior) {
     if (candidate == wanted) return p;
@@ -147,7 +178,8 @@ Evidence load_evidence(const std::string& path, const std::vector<std::string>& 
   evidence.whole_object.E = whole.at("E").get<double>();
   evidence.whole_object.nu = whole.at("nu").get<double>();
   evidence.whole_object.rho = whole.at("rho").get<double>();
-  evidence.exchanges = document.at("exchanges").get<std::vector<std::string>>();
+  if (whole.contains("crops")) evidence.whole_object.crops = whole.at("crops");
+  evidence.exchanges = exchanges_from(document);
   evidence.omitted = omissions_from(document);
   return evidence;
 }
@@ -163,7 +195,8 @@ void save_evidence(const std::string& path, const Evidence& evidence, const Prov
                           {"E", whole.E},
                           {"nu", whole.nu},
                           {"rho", whole.rho}};
-  json["exchanges"] = evidence.exchanges;
+  if (!whole.crops.is_null()) json["whole_object"]["crops"] = whole.crops;
+  json["exchanges"] = to_json(evidence.exchanges);
   json["omitted"] = to_json(evidence.omitted);
   save_record(path, "evidence", provenance, json);
 }

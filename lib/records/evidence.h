@@ -13,6 +13,8 @@ namespace physmas {
 
 // Label index -> score, in insertion order.
 using LabelScores = std::vector<std::pair<int, double>>;
+// {label: score}, same order.
+Json scores_json(const LabelScores& scores);
 
 struct EvidenceRow {
   struct Guard {
@@ -24,7 +26,8 @@ struct EvidenceRow {
   std::string key;
   bool residual = false;
   long gaussians = 0;
-  std::vector<int> expected_labels;                          // canonical, deduplicated, in order
+  Json observations;                 // material_records form: crops, vlm; null when there are none
+  std::vector<int> expected_labels;  // canonical, deduplicated, in order
   std::vector<std::pair<std::string, LabelScores>> sources;  // schema, crop, vlm, role, whole
   LabelScores role_lookup;                                   // R_r
   LabelScores scores;                                        // s_r
@@ -54,12 +57,13 @@ struct WholeObject {
   int label = -1;                   // -1: none
   Branch branch = Branch::plasticine;
   double E = 5e5, nu = 0.476, rho = 5000;  // the paper's fixed fallback
+  Json crops = nullptr;                    // material_records form; null when there are none
 };
 
 struct Evidence {
   std::vector<EvidenceRow> rows;  // inventory order, every row
   WholeObject whole_object;
-  std::vector<std::string> exchanges;
+  std::vector<ExchangeReference> exchanges;
   std::vector<Omission> omitted;
 };
 

@@ -174,6 +174,21 @@ Json to_json(const std::vector<Omission>& omitted) {
   return json;
 }
 
+Json to_json(const std::vector<ExchangeReference>& exchanges) {
+  Json json = Json::array();
+  for (const ExchangeReference& exchange : exchanges)
+    json.push_back({{"name", exchange.name}, {"sha256", exchange.sha256}});
+  return json;
+}
+
+std::vector<ExchangeReference> exchanges_from(const Json& document) {
+  std::vector<ExchangeReference> exchanges;
+  for (const Json& entry : document.value("exchanges", Json::array())) {
+    exchanges.push_back({entry.at("name").get<std::string>(), entry.at("sha256").get<std::string>()});
+  }
+  return exchanges;
+}
+
 std::vector<Omission> omissions_from(const Json& document) {
   std::vector<Omission> omitted;
   for (const Json& entry : document.value("omitted", Json::array())) {

@@ -38,6 +38,8 @@ Eigen::Vector3d vector3_from(const Json& json);
 Json to_json(const Provenance& provenance, const std::string& folder);
 Json to_json(const std::vector<Omission>& omitted);
 std::vector<Omission> omissions_from(const Json& document);  // its `omitted` list, empty when absent
+Json to_json(const std::vector<ExchangeReference>& exchanges);
+std::vector<ExchangeReference> exchanges_from(const Json& document);  // its `exchanges` list, empty when absent
 
 }  // namespace physmas
 

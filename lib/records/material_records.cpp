@@ -80,4 +80,46 @@ MaterialRecords load_material_records(const std::string& path, const Inventory& 
   return records;
 }
 
+Json to_json(const std::vector<CropRecord>& crops) {
+  Json json = Json::array();
+  for (const CropRecord& crop : crops) {
+    Json entry = Json::object();
+    if (!crop.valid) entry["valid"] = false;
+    const auto add = [&](const char* key, const std::optional<double>& value) {
+      if (value) entry[key] = *value;
+    };
+    add("E_mean", crop.E_mean);
+    add("E", crop.E);
+    add("E_uncertainty", crop.E_uncertainty);
+    add("nu_mean", crop.nu_mean);
+    add("nu", crop.nu);
+    add("nu_uncertainty", crop.nu_uncertainty);
+    if (!crop.evidence.empty()) entry["evidence"] = scores_json(crop.evidence);
+    json.push_back(entry);
+  }
+  return json;
+}
+
+Json to_json(const std::vector<VlmRecord>& answers) {
+  Json json = Json::array();
+  for (const VlmRecord& answer : answers) {
+    json.push_back({{"status", answer.success ? "success" : "failed"},
+                    {"abstain", answer.abstain},
+                    {"confidence", answer.confidence ? Json(*answer.confidence) : Json()},
+                    {"views", answer.views},
+                    {"probabilities", scores_json(answer.probabilities)}});
+  }
+  return json;
+}
+
+void append_records(MaterialRecords& records, const MaterialRecords& more) {
+  records.rows.resize(std::max(records.rows.size(), more.rows.size()));
+  for (size_t r = 0; r < more.rows.size(); ++r) {
+    RowObservations& row = records.rows[r];
+    row.crops.insert(row.crops.end(), more.rows[r].crops.begin(), more.rows[r].crops.end());
+    row.vlm.insert(row.vlm.end(), more.rows[r].vlm.begin(), more.rows[r].vlm.end());
+  }
+  if (!records.whole_object) records.whole_object = more.whole_object;
+}
+
 }  // namespace physmas

@@ -49,6 +49,13 @@ struct MaterialRecords {
 // code 3).
 MaterialRecords load_material_records(const std::string& path, const Inventory& inventory);
 
+// The observations as the record writes them.
+Json to_json(const std::vector<CropRecord>& crops);
+Json to_json(const std::vector<VlmRecord>& answers);
+
+// Appends what `more` has to `records`, row by row; a whole-object record is taken where there was none.
+void append_records(MaterialRecords& records, const MaterialRecords& more);
+
 }  // namespace physmas
 
 #endif

@@ -41,4 +41,25 @@ void require_made_from(const std::string& record_path, const std::string& input_
   }
 }
 
+void require_same_state(const std::string& record_path, const std::string& other_path) {
+  namespace fs = std::filesystem;
+  const auto inputs_of = [](const std::string& path) {
+    return parse_json(read_file(path), path).value(Json::json_pointer("/provenance/inputs"), Json::array());
+  };
+  const Json inputs = inputs_of(record_path), others = inputs_of(other_path);
+  for (size_t i = 0; i < inputs.size(); ++i) {
+    const fs::path name = fs::path(inputs[i].at("path").get<std::string>()).filename();
+    if (name.extension() != ".h5") continue;
+    for (const Json& other : others) {
+      if (fs::path(other.at("path").get<std::string>()).filename() != name ||
+          other.at("sha256") == inputs[i].at("sha256"))
+        continue;
+      throw invalid_input({record_path, "/provenance/inputs/" + std::to_string(i) + "/sha256",
+                           inputs[i].at("sha256").get<std::string>() + " for " + name.string(),
+                           other.at("sha256").get<std::string>() + ", as in " + other_path,
+                           "make both from the same state"});
+    }
+  }
+}
+
 }  // namespace physmas

@@ -30,6 +30,16 @@ struct Provenance {
 // and, if `must_list`, when it lists no such input at all (authored records have no provenance).
 void require_made_from(const std::string& record_path, const std::string& input_path, bool must_list);
 
+// Two records that both name an HDF5 input of the same file name (the state) must name the same bytes. Throws an Error
+// (exit code 3) that names both hashes.
+void require_same_state(const std::string& record_path, const std::string& other_path);
+
+// A recorded exchange with a model that an artifact rests on (schemas/exchange.json).
+struct ExchangeReference {
+  std::string name;
+  std::string sha256;  // of request and response, without run times
+};
+
 // What a scene did not need, and why: an entry of an artifact's `omitted` list.
 struct Omission {
   std::string what;

@@ -7,6 +7,7 @@ ScreenRecord load_screen(const std::string& path) {
   ScreenRecord record;
   record.round = document.at("round").get<int>();
   record.tau = document.at("tau").get<double>();
+  record.weights = document.value("weights", Json::array()).get<std::vector<double>>();
   for (const Json& json : document.at("candidates")) {
     ScreenedCandidate c;
     c.id = json.at("id").get<std::string>();
@@ -58,6 +59,7 @@ void save_screen(const std::string& path, const ScreenRecord& record, const Prov
   Json json;
   json["round"] = record.round;
   json["tau"] = record.tau;
+  json["weights"] = record.weights;
   json["candidates"] = Json::array();
   for (const ScreenedCandidate& c : record.candidates) {
     Json entry;

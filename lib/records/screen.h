@@ -43,6 +43,7 @@ struct AuditCheck {
 struct ScreenRecord {
   int round = 0;
   double tau = 0.72;
+  std::vector<double> weights;                // w of Eq. supp-critic, in the order of phi
   std::vector<ScreenedCandidate> candidates;  // order of first appearance
   std::string decision;                       // accept | repair | fail
   std::string reason;

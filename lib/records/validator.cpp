@@ -17,9 +17,9 @@ namespace {
 
 using nlohmann::json;
 
-json schema_document(const std::string& file) {
+const char* schema_text(const std::string& file) {
   for (int i = 0; i < kSchemaTextCount; ++i) {
-    if (file == kSchemaTexts[i].name) return json::parse(kSchemaTexts[i].text);
+    if (file == kSchemaTexts[i].name) return kSchemaTexts[i].text;
   }
   throw internal_error("no schema named " + file);
 }
@@ -27,7 +27,7 @@ json schema_document(const std::string& file) {
 // Schemas refer to schemas/common.json by its file name.
 const json* fetch_schema(const std::string& uri) {
   const size_t slash = uri.find_last_of('/');
-  return new json(schema_document(slash == std::string::npos ? uri : uri.substr(slash + 1)));
+  return new json(json::parse(schema_text(slash == std::string::npos ? uri : uri.substr(slash + 1))));
 }
 
 void free_schema(const json* document) {
@@ -39,7 +39,7 @@ const valijson::Schema& compiled_schema(const std::string& record) {
   std::unique_ptr<valijson::Schema>& schema = cache[record];
   if (!schema) {
     schema = std::make_unique<valijson::Schema>();
-    const json document = schema_document(record + ".json");
+    const json document = json::parse(schema_text(record + ".json"));
     valijson::SchemaParser parser;
     parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(document), *schema, fetch_schema, free_schema);
   }
@@ -81,6 +81,10 @@ std::vector<SchemaViolation> find_schema_violations(const nlohmann::ordered_json
   }
   if (violations.empty()) violations.push_back({"", "the schema does not accept it", 0});
   return violations;
+}
+
+nlohmann::ordered_json schema_document(const std::string& record) {
+  return nlohmann::ordered_json::parse(schema_text(record + ".json"));
 }
 
 }  // namespace physmas

@@ -2,7 +2,7 @@
 #ifndef PHYSMAS_RECORDS_VALIDATOR_H
 #define PHYSMAS_RECORDS_VALIDATOR_H
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -16,6 +16,9 @@ struct SchemaViolation {
 
 // Validates against the embedded schemas/<record>.json. Throws an internal Error when there is no such schema.
 std::vector<SchemaViolation> find_schema_violations(const nlohmann::ordered_json& document, const std::string& record);
+
+// The embedded schemas/<record>.json itself. Throws an internal Error when there is none.
+nlohmann::ordered_json schema_document(const std::string& record);
 
 }  // namespace physmas
 

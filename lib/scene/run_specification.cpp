@@ -151,6 +151,11 @@ RunSpecification run_specification_from(const Json& json, const std::string& fil
   read(screening, "repairs", run.screening.repairs);
   read(screening, "tau", run.screening.tau);
   read(screening, "dark_luminance", run.screening.dark_luminance);
+  read(screening, "weights", run.screening.weights);
+
+  const Json& ablation = section("ablation");
+  read(ablation, "object_part_state", run.ablation.object_part_state);
+  read(ablation, "structure_projection", run.ablation.structure_projection);
 
   const Json& render = section("render");
   read(render, "width", run.render.width);
@@ -222,7 +227,10 @@ Json to_json(const RunSpecification& run) {
                        {"rounds", run.screening.rounds},
                        {"repairs", run.screening.repairs},
                        {"tau", run.screening.tau},
-                       {"dark_luminance", run.screening.dark_luminance}};
+                       {"dark_luminance", run.screening.dark_luminance},
+                       {"weights", run.screening.weights}};
+  json["ablation"] = {{"object_part_state", run.ablation.object_part_state},
+                      {"structure_projection", run.ablation.structure_projection}};
   json["render"] = {{"width", run.render.width},
                     {"height", run.render.height},
                     {"background", to_json(run.render.background)},

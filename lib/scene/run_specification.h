@@ -3,6 +3,7 @@
 #define PHYSMAS_SCENE_RUN_SPECIFICATION_H
 
 #include <Eigen/Core>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -88,7 +89,15 @@ struct RunSpecification {
     int repairs = 3;
     double tau = 0.72;
     double dark_luminance = 0.08;  // Rec. 709 luminance of 8-bit sRGB values, 0..1
+    // w of Eq. supp-critic: video, part confidence, diversity, role, base, density, solver.
+    std::array<double, 7> weights = {1, 0.27, 0.10, 0.25, 0.15, 0.08, 0.15};
   } screening;
+
+  // Studies (paper, "Ablation Study"): what is taken out of the method.
+  struct Ablation {
+    bool object_part_state = true;     // false: every object is one part with one material
+    bool structure_projection = true;  // false: no candidate has projection weights or retention
+  } ablation;
 
   struct Render {
     int width = 800, height = 800;

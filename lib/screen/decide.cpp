@@ -43,6 +43,7 @@ ScreenRecord decide_round(const std::vector<Executed>& executed, const SceneReco
   ScreenRecord record;
   record.round = round;
   record.tau = scene.tau;
+  record.weights.assign(scene.weights.begin(), scene.weights.end());
   for (const Executed& e : executed) {
     ScreenedCandidate screened;
     screened.id = e.candidate.id;

@@ -1,6 +1,7 @@
 #include "screen/explain.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -40,6 +41,7 @@ std::string explain(const ScreenRecord& record) {
   for (const auto* c : candidates) width = std::max(width, c->id.size());
   std::string text =
       fmt::format("round {}, tau {}: {} - {}\n\n", record.round, record.tau, record.decision, record.reason);
+  if (!record.weights.empty()) text += fmt::format("weights {}\n", fmt::join(record.weights, " "));
   text += fmt::format("rank  {:<{}}       Q   video    part    div.    role    base  densi.  solver  penal.  verdict\n",
                       "candidate", width);
   for (const auto* c : candidates) {

@@ -10,9 +10,6 @@
 namespace physmas::screen {
 namespace {
 
-// w of Eq. supp-critic, in the order of phi.
-constexpr double kVideoWeight = 1, kPartWeight = 0.27, kDiversityWeight = 0.10, kRoleWeight = 0.25, kBaseWeight = 0.15,
-                 kDensityWeight = 0.08, kSolverWeight = 0.15;
 constexpr double kPenaltyCap = 0.12, kProjectionPenalty = 0.025, kBondPenalty = 0.035;
 constexpr long kSmallVideo = 4096;  // bytes
 
@@ -115,9 +112,11 @@ void score_candidate(ScreenedCandidate& screened, const Executed& executed, cons
                                        [](const auto& entry) { return entry.second > 0; });
   screened.penalty = std::min(kPenaltyCap, kProjectionPenalty * static_cast<double>(projected) +
                                                kBondPenalty * static_cast<double>(candidate.retention.size()));
-  screened.score = kVideoWeight * screened.video + kPartWeight * screened.part_confidence +
-                   kDiversityWeight * screened.diversity + kRoleWeight * screened.role + kBaseWeight * screened.base +
-                   kDensityWeight * screened.density + kSolverWeight * screened.solver - screened.penalty;
+  const std::array<double, 7> features = {screened.video, screened.part_confidence, screened.diversity, screened.role,
+                                          screened.base,  screened.density,         screened.solver};
+  screened.score = 0;
+  for (size_t i = 0; i < features.size(); ++i) screened.score += scene.weights[i] * features[i];
+  screened.score -= screened.penalty;
 }
 
 }  // namespace physmas::screen

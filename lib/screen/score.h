@@ -2,6 +2,7 @@
 #ifndef PHYSMAS_SCREEN_SCORE_H
 #define PHYSMAS_SCREEN_SCORE_H
 
+#include <array>
 #include <vector>
 
 #include "records/candidate.h"
@@ -11,6 +12,7 @@
 #include "records/plan.h"
 #include "records/render.h"
 #include "records/screen.h"
+#include "scene/run_specification.h"
 
 namespace physmas::screen {
 
@@ -19,8 +21,9 @@ struct SceneRecords {
   const Inventory& inventory;
   const Evidence& evidence;
   const Plan& plan;
-  int frames = 0;  // T, the rest frame included
-  double tau = 0;  // acceptance threshold
+  int frames = 0;                                                         // T, the rest frame included
+  double tau = 0;                                                         // acceptance threshold
+  std::array<double, 7> weights = RunSpecification::Screening().weights;  // of the features, in the order of phi
 };
 
 // An executed candidate.

@@ -91,7 +91,7 @@ Image quantize_with_alpha(const RenderedImage& image) {
   return out;
 }
 
-bool save_png(const std::string& path, const Image& image) {
+std::string encode_png(const Image& image) {
   std::vector<uint8_t> bytes;
   // Stated, so that a change of OpenCV's defaults does not change our bytes.
   const std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 4, cv::IMWRITE_PNG_STRATEGY,
@@ -100,10 +100,14 @@ bool save_png(const std::string& path, const Image& image) {
   try {
     encoded = cv::imencode(".png", swap_red_and_blue(view(image)), bytes, parameters);
   } catch (const cv::Exception& error) {
-    throw internal_error(fmt::format("{}: PNG encoder: {}", path, error.what()));
+    throw internal_error(fmt::format("PNG encoder: {}", error.what()));
   }
-  if (!encoded) throw internal_error(path + ": the PNG encoder refused the image");
-  return write_file(path, std::string(bytes.begin(), bytes.end()));
+  if (!encoded) throw internal_error("the PNG encoder refused the image");
+  return std::string(bytes.begin(), bytes.end());
+}
+
+bool save_png(const std::string& path, const Image& image) {
+  return write_file(path, encode_png(image));
 }
 
 Image load_image(const std::string& path) {

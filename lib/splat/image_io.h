@@ -16,6 +16,9 @@ Image quantize(const RenderedImage& image);
 // RGBA with straight alpha, for images that were rendered over a black background.
 Image quantize_with_alpha(const RenderedImage& image);
 
+// The bytes of a PNG of 1, 3 or 4 channels; the same pixels give the same bytes.
+std::string encode_png(const Image& image);
+
 // Writes a PNG of 1, 3 or 4 channels. Atomic; the same pixels give the same bytes. Returns whether the file changed.
 // Throws an Error (exit code 3) when the file cannot be written.
 bool save_png(const std::string& path, const Image& image);

@@ -68,6 +68,30 @@ setup() {
   [ ! -e candidates ]
 }
 
+@test "pm-candidates: evidence that contradicts itself" {
+  edit_evidence() { material --predictor material-records.json && sed -i -E "$1" evidence.json; }
+  edit_evidence 's/"log10": 4\.127[0-9]*/"log10": 12/'
+  fails_with 3 candidates -- evidence.json /rows/1/E/log10 "found 12.0" "domain of Foam"
+  edit_evidence 's/"log10": 4\.127[0-9]*/"log10": NaN/'
+  fails_with 3 candidates -- evidence.json "malformed JSON"
+  edit_evidence 's/"value": 0\.3092[0-9]*/"value": 0.49/'
+  fails_with 3 candidates -- evidence.json /rows/1/nu/value "domain of Foam"
+  edit_evidence 's/"probability": 0\.0769[0-9]*/"probability": 0.5/'
+  fails_with 3 candidates -- evidence.json /rows/1/posterior/2/probability "descending"
+  edit_evidence 's/"probability": 0\.0769[0-9]*/"probability": 0.05/'
+  fails_with 3 candidates -- evidence.json /rows/1/posterior "sum to 1"
+  edit_evidence 's/"label": "Foam",/"label": "Jade",/'
+  fails_with 3 candidates -- evidence.json /rows Jade
+  edit_evidence 's/"rho": 2000.0/"rho": 0/'
+  fails_with 3 candidates -- evidence.json /whole_object/rho
+  [ ! -e candidates ]
+}
+
+@test "pm-candidates: an interval that ends before it starts" {
+  sed -i 's/"start": 0.0/"start": 0.5/' plan.json
+  fails_with 3 candidates -- plan.json /actions/0/end "0.04"
+}
+
 @test "pm-candidates: evidence of another inventory, row or state" {
   sed -i 's/"key": "cake\/icing"/"key": "cake\/glaze"/' evidence.json
   fails_with 3 candidates -- evidence.json /rows/2/key cake/glaze cake/icing

@@ -12,8 +12,8 @@ setup() { make_scene; }
 
 @test "pm-material: usage errors" {
   fails_with 2 "$bin/pm-material" -- "--scene is required"
-  fails_with 2 material --agent http://localhost:1 -- "--agent http://localhost:1" "not built yet"
-  fails_with 2 material --predictor http://localhost:1 -- "--predictor http://localhost:1" "not built yet"
+  fails_with 2 material --agent nobody -- "--agent nobody" "expected builtin, a URL, or replay:DIR"
+  fails_with 2 material --predictor ftp://localhost/v2/models/m -- "--predictor" "scheme \"ftp\""
   [ ! -e evidence.json ]
 }
 
@@ -89,6 +89,24 @@ setup() { make_scene; }
   fails_with 3 material --predictor records.json -- records.json /whole_object/crops/0
   fails_with 3 material --predictor nowhere.json -- nowhere.json "No such file"
   [ ! -e evidence.json ]
+}
+
+@test "pm-material: authored records come ahead of the predictor's, and all of them are kept" {
+  cat >authored.json <<'J'
+{"schema": "physmas/material_records/1", "rows": [{"key": "cake/sponge", "crops": [{"E": 30000, "E_uncertainty": 0.2, "nu": 0.25, "evidence": {"Foam": 1}}]}],
+ "whole_object": {"label": "Foam"}}
+J
+  material --predictor material-records.json --authored authored.json
+  python3 - <<'PY'
+import json
+evidence = json.load(open("evidence.json"))
+sponge = next(r for r in evidence["rows"] if r["key"] == "cake/sponge")
+assert [c.get("E") for c in sponge["observations"]["crops"]] == [30000, None, None] and sponge["E"]["records"] == 3
+# The mean of three crops now: 0.35 x (1 + 0.6 + 0.4) / 3.
+assert abs(sponge["sources"]["crop"]["Foam"] - 0.35 * 2 / 3) < 1e-12
+assert evidence["whole_object"]["label"] == "Foam"
+PY
+  fails_with 3 material --authored nowhere.json -- nowhere.json "No such file"
 }
 
 @test "pm-material: an output that cannot be written" {

@@ -141,6 +141,34 @@ setup() {
   [ ! -e screen/round0.json ]
 }
 
+@test "pm-screen: values that no material has, and a rollout of another state" {
+  sed -i 's/"rho": 1200.0/"rho": 1200.0, "E_max": 1/' candidates/posterior.json
+  fails_with 3 screen 0 -- candidates/posterior.json /rows E_max
+  candidates
+  sed -i -E '0,/"E": [0-9.]+/s//"E": 0/' candidates/posterior.json
+  fails_with 3 screen 0 -- candidates/posterior.json /rows/0/E "found 0"
+  candidates
+  sed -i -E '0,/"nu": [0-9.]+/s//"nu": 0.5/' candidates/posterior.json
+  fails_with 3 screen 0 -- candidates/posterior.json /rows/0/nu "found 0.5"
+  candidates
+  execute_round 0
+  # The execution record names its state, as pm-simulate writes it; here another one than the candidate's.
+  sed -i 's/"inputs": \[/"inputs": [{"path": "..\/state.h5", "sha256": "'"$(printf '0%.0s' {1..64})"'"},/' rollouts/posterior.json
+  fails_with 3 screen 0 -- rollouts/posterior.json /provenance/inputs/0/sha256 "$(sha256sum <state.h5 | cut -d' ' -f1)"
+  [ ! -e screen/round0.json ]
+}
+
+@test "pm-screen: weights of the run specification count and are recorded" {
+  screen 0
+  before=$(grep -m1 '"score"' screen/round0.json)
+  sed -i 's/"initial": 2/"initial": 2, "weights": [1, 0, 0, 0, 0, 0, 0], "tau": 0.3/' scene.json
+  screen 0
+  # The video feature alone: 0.20 + 0.12.
+  grep -m1 '"score"' screen/round0.json | grep -Eq '0\.32(0*[0-9])?,'
+  [ "$(grep -m1 '"score"' screen/round0.json)" != "$before" ]
+  "$bin/pm-screen" --explain --out screen/round0.json | grep -q 'weights 1 0 0 0 0 0 0'
+}
+
 @test "pm-screen: malformed and mismatched records" {
   sed -i 's/"exit": 0/"exit": "zero"/' rollouts/posterior.json
   fails_with 3 screen 0 -- rollouts/posterior.json /process/exit

@@ -1,5 +1,6 @@
 // Writes the binary and derived fixtures of the command-line tests: small, exact, and made with the library itself.
-//   make_fixture masks INVENTORY OUT CONFIDENCE        four 4x3 views, every semantic row visible in front and right
+//   make_fixture masks INVENTORY OUT CONFIDENCE [W H]  four 4x3 views, every semantic row visible in front and right
+//   make_fixture views SCENE                           the scene's view images, a gradient each
 //   make_fixture state INVENTORY OUT COUNT...          COUNT Gaussians per row, no filled particles
 //   make_fixture video OUT FRAMES                      a noisy 64x64 video of at least 4096 bytes
 //   make_fixture execution CANDIDATE OUT [TOKEN]       an execution record of that very file; TOKEN: it diverged
@@ -15,6 +16,8 @@
 #include "records/masks.h"
 #include "records/render.h"
 #include "records/state.h"
+#include "scene/scene.h"
+#include "splat/image_io.h"
 #include "splat/video.h"
 
 using namespace physmas;
@@ -32,7 +35,8 @@ Provenance provenance_of(const Arguments& inputs) {
 
 void make_masks(const Arguments& a) {
   const Inventory inventory = load_inventory(a.at(0));
-  const Mask filled{4, 3, std::vector<uint8_t>(12, 255), std::stod(a.at(2)), "fixture"};
+  const int width = a.size() > 3 ? std::stoi(a.at(3)) : 4, height = a.size() > 3 ? std::stoi(a.at(4)) : 3;
+  const Mask filled{width, height, std::vector<uint8_t>(size_t(width) * height, 255), std::stod(a.at(2)), "fixture"};
   std::vector<ViewMasks> views;
   for (const char* name : {"front", "right", "back", "left"}) {
     ViewMasks view{name, std::vector<Mask>(inventory.objects.size()), std::vector<Mask>(inventory.rows.size())};
@@ -43,6 +47,14 @@ void make_masks(const Arguments& a) {
     views.push_back(view);
   }
   save_masks(a.at(1), inventory, views, {}, provenance_of({a.at(0)}));
+}
+
+void make_views(const Arguments& a) {
+  for (const SceneView& view : load_scene(a.at(0), {}).views) {
+    Image image(view.camera.width, view.camera.height, 3);
+    for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<uint8_t>(5 * i + view.name.size());
+    splat::save_png(view.image, image);
+  }
 }
 
 void make_state(const Arguments& a) {
@@ -114,6 +126,7 @@ int main(int argc, char** argv) {
   const Arguments arguments(argv + std::min(argc, 2), argv + argc);
   try {
     if (what == "masks") return make_masks(arguments), 0;
+    if (what == "views") return make_views(arguments), 0;
     if (what == "state") return make_state(arguments), 0;
     if (what == "video") return make_video(arguments), 0;
     if (what == "execution") return make_execution(arguments), 0;

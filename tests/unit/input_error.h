@@ -11,12 +11,12 @@
 
 namespace physmas {
 
-// The message of the Error, which must have exit code 3; "no error" when there is none.
-inline std::string message_of(const std::function<void()>& action) {
+// The message of the Error, which must have this exit code; "no error" when there is none.
+inline std::string message_of(const std::function<void()>& action, ExitCode code = ExitCode::invalid_input) {
   try {
     action();
   } catch (const Error& e) {
-    CHECK(e.code() == ExitCode::invalid_input);
+    CHECK(e.code() == code);
     return e.what();
   }
   return "no error";

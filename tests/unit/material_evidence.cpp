@@ -367,7 +367,8 @@ TEST_CASE("material: posteriors are distributions and rows do not influence each
   }
   const std::vector<long> counts(40, 1);
   const std::vector<double> masks(40, 0.5);
-  const Evidence all = reason_about_materials(inventory, counts, masks, records);
+  Evidence all, reversed;
+  reason_about_materials(all, inventory, counts, masks, records);
   for (const EvidenceRow& row : all.rows) {
     double sum = 0, previous = 1;
     for (const auto& [label, p] : row.posterior) {
@@ -382,7 +383,7 @@ TEST_CASE("material: posteriors are distributions and rows do not influence each
   }
   std::reverse(inventory.rows.begin(), inventory.rows.end());
   std::reverse(records.rows.begin(), records.rows.end());
-  const Evidence reversed = reason_about_materials(inventory, counts, masks, records);
+  reason_about_materials(reversed, inventory, counts, masks, records);
   for (int i = 0; i < 40; ++i) {
     CHECK(reversed.rows[39 - i].posterior == all.rows[i].posterior);
     CHECK(reversed.rows[39 - i].log10_E == all.rows[i].log10_E);

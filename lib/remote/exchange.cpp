@@ -1,0 +1,144 @@
+#include "remote/exchange.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/log.h"
+#include "remote/base64.h"
+
+namespace physmas::remote {
+namespace {
+
+constexpr size_t kMaxRecordBytes = size_t{256} << 20;
+
+std::string shown(const Json& value) {
+  return one_line(value.dump(-1, ' ', false, Json::error_handler_t::replace), 120);
+}
+
+Json request_json(const ExchangeRecord& record) {
+  return {{"method", record.method},
+          {"url", record.url},
+          {"body", record.request_body},
+          {"attachments", record.attachments}};
+}
+
+Json response_json(const ExchangeRecord& record) {
+  return {{"status", record.status},
+          {"content_type", record.content_type},
+          {"sha256", sha256_text(record.body)},
+          {"body", record.body}};
+}
+
+}  // namespace
+
+Json recorded_body(const Request& request) {
+  Json body = request.body;
+  for (const Attachment& a : request.attachments)
+    body[Json::json_pointer(a.pointer)] = "sha256:" + sha256_text(a.bytes);
+  return body;
+}
+
+Json sent_body(const Request& request) {
+  Json body = request.body;
+  for (const Attachment& a : request.attachments) body[Json::json_pointer(a.pointer)] = a.prefix + base64_of(a.bytes);
+  return body;
+}
+
+std::string attachment_file(const Attachment& attachment) {
+  return sha256_text(attachment.bytes) + "." + attachment.extension;
+}
+
+std::string ExchangeRecord::sha256() const {
+  const Json both = {{"request", request_json(*this)}, {"response", response_json(*this)}};
+  return sha256_text(both.dump());
+}
+
+void save_exchange(const std::string& folder, const ExchangeRecord& record, const Request& request) {
+  namespace fs = std::filesystem;
+  for (const Attachment& a : request.attachments) write_file((fs::path(folder) / attachment_file(a)).string(), a.bytes);
+  Json json;
+  json["name"] = record.name;
+  json["sha256"] = record.sha256();
+  json["request"] = request_json(record);
+  json["response"] = response_json(record);
+  json["runtime"] = record.runtime;
+  Provenance provenance;
+  provenance.tool = tool_name();
+  save_record((fs::path(folder) / (record.name + ".json")).string(), "exchange", provenance, json);
+}
+
+ExchangeRecord load_exchange(const std::string& path) {
+  Json document = parse_json(read_file(path, kMaxRecordBytes), path);
+  validate_record(document, "exchange", path);
+  ExchangeRecord record;
+  record.name = document.at("name").get<std::string>();
+  const Json& request = document.at("request");
+  record.method = request.at("method").get<std::string>();
+  record.url = request.at("url").get<std::string>();
+  record.request_body = request.at("body");
+  record.attachments = request.at("attachments").get<std::vector<std::string>>();
+  const Json& response = document.at("response");
+  record.status = response.at("status").get<int>();
+  record.content_type = response.at("content_type").get<std::string>();
+  record.body = response.at("body").get<std::string>();
+  if (response.at("sha256") != sha256_text(record.body)) {
+    throw invalid_field(path, "/response/sha256", response.at("sha256"),
+                        sha256_text(record.body) + ", that of the body", "the reply was changed after it was recorded");
+  }
+  if (document.at("sha256") != record.sha256()) {
+    throw invalid_field(path, "/sha256", document.at("sha256"), record.sha256() + ", that of request and response",
+                        "the exchange was changed after it was recorded");
+  }
+  return record;
+}
+
+std::optional<Difference> first_difference(const Json& now, const Json& recorded, const std::string& pointer) {
+  if (now.is_null() || now == recorded) return std::nullopt;
+  if (now.is_object() && recorded.is_object()) {
+    for (const auto& [key, value] : now.items()) {
+      if (value.is_null()) continue;
+      if (!recorded.contains(key)) return Difference{pointer + "/" + key, shown(value), "nothing"};
+      if (auto found = first_difference(value, recorded.at(key), pointer + "/" + key)) return found;
+    }
+    for (const auto& [key, value] : recorded.items()) {
+      if (!now.contains(key)) return Difference{pointer + "/" + key, "nothing", shown(value)};
+    }
+    return std::nullopt;
+  }
+  if (now.is_array() && recorded.is_array() && now.size() == recorded.size()) {
+    for (size_t i = 0; i < now.size(); ++i) {
+      if (auto found = first_difference(now[i], recorded[i], pointer + "/" + std::to_string(i))) return found;
+    }
+    return std::nullopt;
+  }
+  if (now.is_array() && recorded.is_array())
+    return Difference{pointer, fmt::format("{} entries", now.size()), fmt::format("{} entries", recorded.size())};
+  if (now.is_string() && recorded.is_string()) {
+    // Long texts: show where they part.
+    const std::string &a = now.get_ref<const std::string&>(), &b = recorded.get_ref<const std::string&>();
+    const size_t common =
+        std::mismatch(a.begin(), a.begin() + std::min(a.size(), b.size()), b.begin()).first - a.begin();
+    const size_t from = common > 20 ? common - 20 : 0;
+    const auto around = [&](const std::string& s) { return (from > 0 ? "..." : "") + shown(Json(s.substr(from, 60))); };
+    return Difference{pointer, around(a), around(b)};
+  }
+  return Difference{pointer, shown(now), shown(recorded)};
+}
+
+Json parse_reply(const std::string& body, const std::string& source) {
+  try {
+    return parse_json(body, source);
+  } catch (const Error& e) {
+    throw Error(ExitCode::provider_failed, e.what());
+  }
+}
+
+Error provider_error(const std::string& source, const std::string& what) {
+  return Error(ExitCode::provider_failed, one_line(source + ": " + what, 1000));
+}
+
+}  // namespace physmas::remote

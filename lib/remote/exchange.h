@@ -1,0 +1,78 @@
+// One exchange with a model server: request, reply, and the record of both that audits read and replays answer from.
+#ifndef PHYSMAS_REMOTE_EXCHANGE_H
+#define PHYSMAS_REMOTE_EXCHANGE_H
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "records/json.h"
+
+namespace physmas::remote {
+
+// Binary content of a request. In records the request holds only its SHA-256, and the bytes lie beside the record.
+struct Attachment {
+  std::string pointer;    // JSON pointer of the string in the body that carries it
+  std::string prefix;     // in front of the base64 text: "data:image/png;base64,", or nothing
+  std::string bytes;      // as in the file
+  std::string extension;  // of that file: "png"
+};
+
+struct Request {
+  std::string name;    // file stem of its record, unique in a run: "material_cake_sponge_1"
+  std::string method;  // GET | POST
+  std::string path;    // appended to the endpoint: "/chat/completions"
+  Json body;           // null: none. A null field matches whatever a replayed request had there.
+  std::vector<Attachment> attachments;
+  std::vector<int> returned_statuses;    // besides 2xx; any other status is a failure of the provider
+  bool wants_json = true;                // the reply must be JSON; readiness probes have no body
+  size_t reply_limit = size_t{4} << 20;  // bytes
+};
+
+struct Reply {
+  int status = 0;
+  Json body;  // null when the status is not 2xx, or no JSON was wanted
+};
+
+// The body with every attachment's place holding "sha256:HEX" (`recorded`), or prefix and base64 text (`sent`).
+Json recorded_body(const Request& request);
+Json sent_body(const Request& request);
+
+// The attachment's file beside the record: SHA256.EXTENSION.
+std::string attachment_file(const Attachment& attachment);
+
+// One completed exchange, schemas/exchange.json.
+struct ExchangeRecord {
+  std::string name;
+  std::string method, url;
+  Json request_body;
+  std::vector<std::string> attachments;  // files beside the record
+  int status = 0;
+  std::string content_type;
+  std::string body;  // the reply, byte for byte
+  Json runtime = Json::object();
+  std::string sha256() const;
+};
+
+// Writes DIR/NAME.json and the attachments as DIR/SHA256.EXTENSION.
+void save_exchange(const std::string& folder, const ExchangeRecord& record, const Request& request);
+// Checks both hashes: an edited record is an Error (exit code 3).
+ExchangeRecord load_exchange(const std::string& path);
+
+// The first field in which `now` differs from the recorded request, as a JSON pointer with both values; empty when
+// they are equal. A null in `now` matches anything.
+struct Difference {
+  std::string pointer, now, recorded;
+};
+std::optional<Difference> first_difference(const Json& now, const Json& recorded, const std::string& pointer = "");
+
+// Reads a reply. Error (exit code 4) naming `source` unless it is JSON as this project reads it.
+Json parse_reply(const std::string& body, const std::string& source);
+
+// An Error with exit code 4: "SOURCE: WHAT".
+Error provider_error(const std::string& source, const std::string& what);
+
+}  // namespace physmas::remote
+
+#endif

@@ -1,0 +1,54 @@
+#!/usr/bin/env bats
+# make batch: many scenes, one table; a scene that fails stops no other.
+load common
+
+setup_file() {
+  cd "$BATS_FILE_TMPDIR"
+  for name in good broken strict; do "$bin/pm-scene" synth "$root/tests/data/tiny.json" --out "$name" --quiet; done
+  sed -i 's/"fx"/"focal"/' broken/scene.json
+}
+
+run_batch() {
+  env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -C "$root" --no-print-directory SAN="${PM_SAN:-0}" BUILD="$(dirname "$bin")" \
+    batch BATCH="$BATS_FILE_TMPDIR/batch" "$@"
+}
+
+column() { awk -F '\t' -v row="$1" -v name="$2" 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == name) c = i } $1 == row { print $c }' "$BATS_FILE_TMPDIR/batch/table.tsv"; }
+
+@test "batch: accepted, refused and broken scenes in one table" {
+  cd "$BATS_FILE_TMPDIR"
+  cat >list.txt <<LIST
+# three scenes
+$PWD/good/scene.json
+$PWD/broken/scene.json
+$PWD/strict/scene.json "SET=screening.tau=9 screening.rounds=1"   # nothing can be admitted
+LIST
+  run run_batch -j2 SCENES="$PWD/list.txt"
+  echo "$output"
+  [ "$status" -eq 0 ]
+  [ "$(wc -l <batch/table.tsv)" -eq 4 ]
+  [ "$(column good result)" = accepted ]
+  [ -n "$(column good candidate)" ] && [ "$(column good candidate)" != - ]
+  [ "$(column good rounds)" = 1 ]
+  [ -s batch/good/final.mp4 ]
+  [ "$(column broken result)" = failed ]
+  [[ $(column broken reason) = *scene.json* ]]
+  [ "$(column strict result)" = "none admitted" ]
+  [[ $(column strict reason) = *"tau 9"* ]]
+  # Times are there, and a second call computes nothing again.
+  [ "$(column good simulate_s)" != 0.00 ]
+  before=$(stat -c %y batch/good/final.mp4)
+  run_batch SCENES="$PWD/list.txt" >second.log
+  [ "$(stat -c %y batch/good/final.mp4)" = "$before" ]
+  grep -q "Nothing to do" batch/good/log.txt
+  [ "$(column good result)" = accepted ]
+}
+
+@test "batch: mistakes are explained" {
+  run run_batch SCENES="cake cake"
+  [ "$status" -ne 0 ]
+  [[ $output = *"two scenes are called cake"* ]]
+  run run_batch
+  [ "$status" -ne 0 ]
+  [[ $output = *SCENES* ]]
+}

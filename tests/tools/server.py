@@ -1,0 +1,260 @@
+#!/usr/bin/env python3
+"""A local model server for the tests: chat completions and the Open Inference Protocol, behaving or misbehaving.
+
+server.py PORT_FILE LOG_FILE MODE   serves on a free port of 127.0.0.1, which it writes to PORT_FILE; every request is a
+line of JSON in LOG_FILE. It ends when its standard input is closed, or after a minute.
+"""
+
+import base64
+import http.server
+import json
+import os
+import socket
+import struct
+import sys
+import threading
+import time
+
+LABELS = [
+    "Wood",
+    "Metal",
+    "Plastic",
+    "Glass",
+    "Fabric",
+    "Leather",
+    "Ceramic",
+    "Stone",
+    "Rubber",
+    "Paper",
+    "Sand",
+    "Snow",
+    "Plasticine",
+    "Foam",
+]
+OUTPUTS = ["E_mean", "E_uncertainty", "nu_mean", "nu_uncertainty", "label_evidence"]
+
+port_file, log_file, mode = sys.argv[1:4]
+count = 0
+lock = threading.Lock()
+
+
+def material_answer(body):
+    """What the material agent says of a row: the plate abstains, everything else is mostly foam."""
+    text = body["messages"][1]["content"][0]["text"]
+    key = json.loads(text[text.index("{") : text.index("}") + 1])["key"]
+    answer = {
+        "key": key,
+        "abstain": False,
+        "confidence": 0.8,
+        "visible_views": ["front", "right", "top"],
+        "labels": [{"label": "Foam", "probability": 0.75}, {"label": "Plasticine", "probability": 0.25}],
+        "profiles": [{"profile": "Foam", "probability": 1.0}],
+        "statistics": {"E": None, "nu": None},
+    }
+    if key.endswith("/plate"):
+        answer.update(abstain=True, confidence=0, visible_views=[], labels=[], profiles=[])
+    return answer
+
+
+def chat_reply(content):
+    return {
+        "id": "x",
+        "object": "chat.completion",
+        "choices": [{"index": 0, "finish_reason": "stop", "message": {"role": "assistant", "content": content}}],
+    }
+
+
+def inference_reply(body):
+    images = [base64.b64decode(text, validate=True) for text in body["inputs"][0]["data"]]
+    assert all(image.startswith(b"\x89PNG") for image in images)
+    n = len(images)
+    evidence = [[0.6 if label == "Foam" else 0.0 for label in LABELS]] * n
+    values = {"E_mean": [-1.0] * n, "E_uncertainty": [0.3] * n, "nu_mean": [None] * n, "nu_uncertainty": [0.04] * n}
+    outputs = [{"name": k, "datatype": "FP32", "shape": [n], "data": v} for k, v in values.items()]
+    outputs.append({"name": "label_evidence", "datatype": "FP32", "shape": [n, 14], "data": evidence})
+    if mode == "shape":
+        outputs[-1]["shape"] = [n, 13]
+    if mode == "missing-output":
+        outputs.pop()
+    if mode == "negative":
+        outputs[1]["data"] = [-1.0] * n
+    return {"model_name": "m", "outputs": outputs}
+
+
+class Handler(http.server.BaseHTTPRequestHandler):
+    protocol_version = "HTTP/1.1"
+
+    def log_message(self, *_):
+        pass
+
+    def reply(self, status, body, content_type="application/json", headers=()):
+        data = body if isinstance(body, bytes) else (body if isinstance(body, str) else json.dumps(body)).encode()
+        self.send_response(status)
+        self.send_header("Content-Type", content_type)
+        self.send_header("Content-Length", str(len(data)))
+        for name, value in headers:
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(data)
+
+    def do_GET(self):
+        self.note(None)
+        if self.path.endswith("/ready"):
+            self.send_response(503 if mode == "not-ready" else 200)
+            self.send_header("Content-Length", "0")
+            self.end_headers()
+        else:
+            names = OUTPUTS[:-1] if mode == "no-such-output" else OUTPUTS
+            self.reply(
+                200,
+                {
+                    "name": "m",
+                    "platform": "test",
+                    "inputs": [{"name": "crops", "datatype": "BYTES", "shape": [-1]}],
+                    "outputs": [{"name": o, "datatype": "FP32", "shape": [-1]} for o in names],
+                },
+            )
+
+    def do_POST(self):
+        body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
+        number = self.note(body)
+        if self.path.endswith("/infer"):
+            return self.reply(200, inference_reply(body))
+        good = chat_reply(json.dumps(material_answer(body)))
+        if mode == "timeout":
+            time.sleep(5)
+        elif mode == "drip":
+            # A byte now and then: every single read succeeds, the whole never comes.
+            self.send_response(200)
+            self.send_header("Content-Type", "application/json")
+            self.send_header("Content-Length", "1000")
+            self.end_headers()
+            try:
+                for _ in range(50):
+                    self.wfile.write(b" ")
+                    self.wfile.flush()
+                    time.sleep(0.1)
+            except OSError:
+                pass
+        elif mode == "429" and number == 1:
+            self.reply(429, {"error": "slow down"}, headers=[("Retry-After", "1")])
+        elif mode == "429-long":
+            self.reply(429, {"error": "slow down"}, headers=[("Retry-After", "3600")])
+        elif mode == "500-twice" and number <= 2:
+            self.reply(500, {"error": "out of memory"})
+        elif mode == "500":
+            self.reply(500, {"error": "out of memory"})
+        elif mode == "408-once" and number == 1:
+            self.reply(408, {})
+        elif mode == "reset-once" and number == 1:
+            self.connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            self.close_connection = True
+            self.connection.close()
+        elif mode == "cut":
+            self.send_response(200)
+            self.send_header("Content-Type", "application/json")
+            self.send_header("Content-Length", "100000")
+            self.end_headers()
+            self.wfile.write(b'{"choices": [')
+            self.close_connection = True
+        elif mode == "wrong-type":
+            self.reply(200, good, "text/plain")
+        elif mode == "html":
+            self.reply(200, "<html><body>Please log in</body></html>", "text/html; charset=utf-8")
+        elif mode == "html-as-json":
+            self.reply(200, "<html><body>Please log in</body></html>")
+        elif mode == "no-choices":
+            self.reply(200, {"result": "ok"})
+        elif mode == "truncated-answer":
+            good["choices"][0]["finish_reason"] = "length"
+            self.reply(200, good)
+        elif mode == "outside" or (mode == "outside-once" and number == 1):
+            answer = material_answer(body)
+            answer["E"] = 1e5  # constitutive parameters are not the model's to set
+            self.reply(200, chat_reply(json.dumps(answer)))
+        elif mode == "other-row":
+            answer = material_answer(body)
+            answer["key"] = "cake/candle"
+            self.reply(200, chat_reply(json.dumps(answer)))
+        elif mode == "prose":
+            text = "<think>{ hmm }</think>Here you are:\n```json\n" + json.dumps(material_answer(body)) + "\n```"
+            self.reply(200, chat_reply(text))
+        elif mode == "no-schema" and "response_format" in body:
+            self.reply(400, {"error": "response_format is not supported"})
+        elif mode == "huge":
+            self.send_response(200)
+            self.send_header("Content-Type", "application/json")
+            self.send_header("Content-Length", str(100 << 20))
+            self.end_headers()
+            self.pour(100)
+        elif mode == "huge-chunked":
+            self.send_response(200)
+            self.send_header("Content-Type", "application/json")
+            self.send_header("Connection", "close")
+            self.end_headers()
+            self.pour(100)
+        elif mode == "redirect":
+            self.reply(307, "", headers=[("Location", "http://example.invalid/v1/chat/completions")])
+        elif mode == "redirect-port":
+            self.reply(307, "", headers=[("Location", "http://127.0.0.1:9/v1/chat/completions")])
+        elif mode == "redirect-get":
+            self.reply(302, "", headers=[("Location", self.path + "/here")])
+        elif mode == "redirect-same" and not self.path.endswith("/here"):
+            self.reply(308, "", headers=[("Location", self.path + "/here")])
+        elif mode == "redirect-loop":
+            self.reply(307, "", headers=[("Location", self.path)])
+        elif mode == "unauthorised":
+            self.reply(401, {"error": "key " + self.headers.get("Authorization", "none") + " is not valid"})
+        elif mode == "echo":
+            self.reply(200, {"you sent": self.headers.get("Authorization", ""), **good})
+        else:
+            self.reply(200, good)
+
+    def pour(self, megabytes):
+        """Counts in the log how much the client took."""
+        taken = 0
+        try:
+            for _ in range(megabytes):
+                self.wfile.write(b" " * (1 << 20))
+                taken += 1
+        except OSError:
+            pass
+        self.close_connection = True
+        with open(log_file, "a") as log:
+            log.write(json.dumps({"megabytes": taken}) + "\n")
+
+    def note(self, body):
+        global count
+        with lock:
+            count += 1
+            number = count
+        entry = {"path": self.path, "authorization": self.headers.get("Authorization"), "number": number}
+        if body is not None and "messages" in body:
+            image = body["messages"][1]["content"][1]["image_url"]["url"]
+            entry.update(
+                model=body["model"],
+                temperature=body["temperature"],
+                image=image[:22],
+                structured="response_format" in body,
+                messages=len(body["messages"]),
+            )
+        with open(log_file, "a") as log:
+            log.write(json.dumps(entry) + "\n")
+        return number
+
+
+class Server(http.server.ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, *_):
+        pass  # clients that hang up are what the tests are about
+
+
+server = Server(("127.0.0.1", 0), Handler)
+threading.Thread(target=server.serve_forever, daemon=True).start()
+with open(port_file + ".new", "w") as f:
+    f.write(str(server.server_address[1]))
+os.rename(port_file + ".new", port_file)
+threading.Timer(60, lambda: os._exit(0)).start()
+sys.stdin.read()
+os._exit(0)
