@@ -216,6 +216,8 @@ ExecutionRecord make_record(const Candidate& candidate, const mpm::Problem& prob
                       {"frames", result.seconds_frames}}},
                     {"particle_steps_per_second", result.particle_steps_per_second},
                     {"threads", result.threads},
+                    {"solver_particle_bytes", result.particle_bytes},
+                    {"solver_grid_bytes", result.grid_bytes},
                     {"peak_memory_bytes", peak_memory_bytes()}};
   return record;
 }

@@ -7,10 +7,15 @@
 #include <new>
 #include <utility>
 
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
 namespace physmas::mpm {
 
-// Zeroed memory, aligned to a cache line. Pages that are never touched cost nothing, so a dense table of grid blocks
-// only uses memory where material has been.
+// Zeroed memory, aligned to a cache line, or to a huge page where it is large enough for some: tens of megabytes in
+// small pages are more than the processor's page tables keep at hand. Pages that are never touched cost nothing, so a
+// dense table of grid blocks only uses memory where material has been.
 template <class T>
 class Buffer {
  public:
@@ -24,15 +29,32 @@ class Buffer {
     if (count <= capacity_) return;
     std::free(raw_);
     capacity_ = count + count / 8;
-    raw_ = std::calloc(capacity_ * sizeof(T) + 128, 1);
+    constexpr size_t kHugePage = size_t{1} << 21;
+    const size_t bytes = capacity_ * sizeof(T);
+    const size_t alignment = bytes >= 2 * kHugePage ? kHugePage : 64;
+    raw_ = std::calloc(bytes + 2 * alignment, 1);
     if (!raw_) throw std::bad_alloc();
-    data_ = reinterpret_cast<T*>((reinterpret_cast<std::uintptr_t>(raw_) + 63) / 64 * 64);
+    data_ = reinterpret_cast<T*>((reinterpret_cast<std::uintptr_t>(raw_) + alignment - 1) / alignment * alignment);
+#if defined(__linux__)
+    // Advice only: without it everything works with small pages.
+    if (alignment == kHugePage) madvise(data_, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
+#endif
   }
-  T* data() { return data_; }
-  const T* data() const { return data_; }
-  T& operator[](size_t i) { return data_[i]; }
-  const T& operator[](size_t i) const { return data_[i]; }
-  size_t size() const { return size_; }
+  T* data() {
+    return data_;
+  }
+  const T* data() const {
+    return data_;
+  }
+  T& operator[](size_t i) {
+    return data_[i];
+  }
+  const T& operator[](size_t i) const {
+    return data_[i];
+  }
+  size_t size() const {
+    return size_;
+  }
   void swap(Buffer& other) {
     std::swap(raw_, other.raw_);
     std::swap(data_, other.data_);

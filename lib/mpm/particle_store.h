@@ -33,17 +33,28 @@ class ParticleStore {
   void sort();
 
   BlockMap map;
-  // By slot. Empty slots hold a particle at rest of no volume.
-  Buffer<T> x[3], F[9], volume;                // [cells], row-major, rest volume [m^3]
-  Buffer<T> strength;                          // [Pa], when some row is plasticine
-  Buffer<T> total_F[9];                        // row-major, when tracked
+  // One number per slot; those of a register of slots are contiguous.
+  struct Channel {
+    T* first = nullptr;
+    size_t step = 0;  // from register to register
+    T& operator[](size_t slot) const { return first[slot / W * step + slot % W]; }
+  };
+  // Empty slots hold a particle at rest of no volume.
+  Channel x[3], F[9], volume;                  // [cells], row-major, rest volume [m^3]
+  Channel strength;                            // [Pa], when some row is plasticine
+  Channel total_F[9];                          // row-major, when tracked
   Buffer<int> particle;                        // the callers' index, -1: empty slot
-  Buffer<T> v[3], C[9];                        // m/s, 1/s; valid after load and after the last pass of an interval
+  Channel v[3], C[9];                          // m/s, 1/s; valid after load and after the last pass of an interval
   std::vector<int> group_row;                  // row of all lanes of a group of W slots, -1 when mixed
   std::vector<std::uint8_t> group_controlled;  // whether any lane of the group is in a control group
   bool has_strength = false;
 
   int slots() const { return slots_; }
+  // Brings the numbers of a register of slots into the cache.
+  PHYSMAS_INLINE void prefetch(int group) const {
+    const T* at = x[0].first + group * x[0].step;
+    for (int c = 0; c < channels_; ++c) __builtin_prefetch(at + c * W, 1);
+  }
   size_t bytes() const;
 
  private:
@@ -57,7 +68,7 @@ class ParticleStore {
 
   int row_of(int i) const { return setup_.row[i]; }
   void place(bool from_slots);
-  void permute(Buffer<T>& channel, T empty);
+  void bind();
   void describe_groups(const ParticleBlock& block);
   // Calls function(channel, what an empty slot holds).
   template <class Function>
@@ -74,7 +85,9 @@ class ParticleStore {
   int slots_ = 0;
   std::vector<Arrival> arrivals_;  // in the order of the blocks
   std::vector<int> from_;          // per slot: index into arrivals_, -1 for an empty one
-  Buffer<T> spare_;
+  int channels_ = 0;
+  // What lives from substep to substep; and where sorting puts it, which between intervals keeps v and C instead.
+  Buffer<T> numbers_, other_;
   Buffer<int> spare_particle_;
 };
 
@@ -82,6 +95,7 @@ template <class T>
 ParticleStore<T>::ParticleStore(const StepperSetup& setup, double safe_cells)
     : map(setup.domain.n + 1), setup_(setup), dx_(setup.domain.dx()), safe_cells_(safe_cells) {
   for (const int row : setup.row) has_strength = has_strength || setup.branches[row] == Branch::plasticine;
+  for_each_channel([&](Channel&, T) { ++channels_; });
 }
 
 namespace store_detail {
@@ -125,9 +139,9 @@ long long ParticleStore<T>::load(const State& state) {
   for (int i = 0; i < count; ++i) arrivals_[next[map.index_of(id[i])]++] = {i, cell[i], kStay};
   place(false);
 
-  for_each_channel([&](Buffer<T>& c, T) { c.resize(slots_); });
-  for (auto& c : v) c.resize(slots_);
-  for (auto& c : C) c.resize(slots_);
+  numbers_.resize(static_cast<size_t>(slots_) * channels_);
+  other_.resize(static_cast<size_t>(slots_) * channels_);
+  bind();
   particle.resize(slots_);
   setup_.team->for_each(static_cast<int>(map.particle_blocks.size()), [&](int b) {
     const ParticleBlock& block = map.particle_blocks[b];
@@ -301,8 +315,7 @@ void ParticleStore<T>::sort() {
   place(true);
 
   spare_particle_.resize(slots_);
-  for (auto& c : v) c.resize(slots_);
-  for (auto& c : C) c.resize(slots_);
+  other_.resize(static_cast<size_t>(slots_) * channels_);
   const int now = static_cast<int>(map.particle_blocks.size());
   setup_.team->for_each(now, [&](int b) {
     const ParticleBlock& block = map.particle_blocks[b];
@@ -311,7 +324,18 @@ void ParticleStore<T>::sort() {
     }
   });
   particle.swap(spare_particle_);
-  for_each_channel([&](Buffer<T>& c, T empty) { permute(c, empty); });
+  setup_.team->for_each(now, [&](int b) {
+    const ParticleBlock& block = map.particle_blocks[b];
+    T* to = other_.data() + static_cast<size_t>(block.begin) * channels_;
+    for (int group = block.begin; group < block.begin + block.slots; group += W) {
+      for_each_channel([&](const Channel& c, T empty) {
+        for (int s = group; s < group + W; ++s) *to++ = from_[s] >= 0 ? c[arrivals_[from_[s]].source] : empty;
+      });
+    }
+  });
+  numbers_.swap(other_);
+  other_.resize(static_cast<size_t>(slots_) * channels_);
+  bind();
   setup_.team->for_each(now, [&](int b) {
     const ParticleBlock& block = map.particle_blocks[b];
     for (int s = block.begin; s < block.begin + block.slots; ++s) {
@@ -325,22 +349,21 @@ void ParticleStore<T>::sort() {
   });
 }
 
+// Channels lie one after the other in each register's numbers.
 template <class T>
-void ParticleStore<T>::permute(Buffer<T>& channel, T empty) {
-  spare_.resize(slots_);
-  setup_.team->for_each(static_cast<int>(map.particle_blocks.size()), [&](int b) {
-    const ParticleBlock& block = map.particle_blocks[b];
-    for (int s = block.begin; s < block.begin + block.slots; ++s) {
-      spare_[s] = from_[s] >= 0 ? channel[arrivals_[from_[s]].source] : empty;
-    }
-  });
-  channel.swap(spare_);
+void ParticleStore<T>::bind() {
+  const size_t step = static_cast<size_t>(channels_) * W;
+  int next = 0;
+  for_each_channel([&](Channel& c, T) { c = {numbers_.data() + W * next++, step}; });
+  next = 0;
+  for (auto& c : v) c = {other_.data() + W * next++, step};
+  for (auto& c : C) c = {other_.data() + W * next++, step};
 }
 
 template <class T>
 size_t ParticleStore<T>::bytes() const {
-  const size_t channels = 12 + 1 + has_strength + 9 * setup_.track_total_F + 12 + 1;
-  return channels * slots_ * sizeof(T) + (2 + 1) * slots_ * sizeof(int) + arrivals_.size() * sizeof(Arrival);
+  return 2 * static_cast<size_t>(slots_) * channels_ * sizeof(T) + (2 + 1) * slots_ * sizeof(int) +
+         arrivals_.size() * sizeof(Arrival);
 }
 
 }  // namespace physmas::mpm

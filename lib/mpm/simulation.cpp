@@ -291,6 +291,8 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
     result.max_speed = std::max(result.max_speed, report.max_speed);
     result.particles_outside = std::max(result.particles_outside, report.particles_clamped);
     result.sorts += report.sorts;
+    result.particle_bytes = std::max(result.particle_bytes, stepper->particle_bytes());
+    result.grid_bytes = std::max(result.grid_bytes, stepper->grid_bytes());
     result.seconds_particles += report.seconds_particles;
     result.seconds_grid += report.seconds_grid;
     result.seconds_sort += report.seconds_sort;
@@ -344,6 +346,10 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
     result.omitted.push_back({"empty grid blocks", std::to_string(static_cast<int>(std::max(0.0, share))) +
                                                        " % of the grid held no material at the end"});
   }
+  // The state that callers see, the setup, and the solver's own copy.
+  result.particle_bytes +=
+      problem.particles.size() * ((3 + 3 + 9 + 9 + 1 + (options.track_total_F ? 9 : 0)) * sizeof(double) +
+                                  sizeof(double) + sizeof(int) + sizeof(std::uint16_t));
   result.seconds_total = total.seconds();
   const double stepping = result.seconds_particles + result.seconds_grid + result.seconds_sort;
   if (stepping > 0) {

@@ -116,6 +116,7 @@ struct Result {
   int sorts = 0;
   double seconds_particles = 0, seconds_grid = 0, seconds_sort = 0, seconds_frames = 0, seconds_total = 0;
   double particle_steps_per_second = 0;
+  size_t particle_bytes = 0, grid_bytes = 0;  // most memory of the solver for particles and for active grid nodes
 };
 
 // Integrates the problem. A diverged run is a result; broken input (a row out of range, a position that is not finite,

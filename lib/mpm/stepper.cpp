@@ -46,7 +46,8 @@ class TypedStepper final : public Stepper {
   void store(State& state) const override { store_.store(state); }
   StepReport advance(int steps, double dt, const ControlSource& controls, double energy_limit) override;
   int active_grid_blocks() const override { return static_cast<int>(store_.map.grid_blocks.size()); }
-  size_t bytes() const override { return store_.bytes() + grid_.bytes(); }
+  size_t particle_bytes() const override { return store_.bytes(); }
+  size_t grid_bytes() const override { return grid_.bytes(); }
 
  private:
   using V = Lanes<T>;
@@ -246,6 +247,11 @@ void TypedStepper<T>::process_block(int index, double dt) {
   const auto weights_of = [&](int l, T* w) {
     for (int k = 0; k < 9; ++k) w[k] = scratch.weight[k][l];
   };
+  const auto gather_lane = [&](int l) {
+    T w[9];
+    weights_of(l, w);
+    gather_particle(scratch.arena + scratch.offset[l], w, w + 3, w + 6, scratch.record[l]);
+  };
   const auto scatter_lane = [&](Row<T>* sum, int l) {
     T w[9];
     weights_of(l, w);
@@ -261,14 +267,13 @@ void TypedStepper<T>::process_block(int index, double dt) {
     lanes_to_records<T>(scratch.lanes, scratch.record);
   };
 
-  // One register of particles, from the velocities that `gather` finds to the momentum that `scatter` takes.
-  // moment[a][b]: Σ w u_a (node − centre node)_b.
-  const auto process_group = [&](int first, const auto& gather, const auto& scatter) PHYSMAS_LAMBDA_INLINE {
+  Row<T> sum[9];
+  for (auto& s : sum) s = Row<T>::zero();
+  int corner = -1;  // arena offset that `sum` belongs to
+  for (int first = block.begin; first < block.begin + block.count; first += W) {
+    const int real = std::min(W, block.begin + block.count - first);
     const int group = first / W;
-    // Thirteen short streams are more than the hardware follows.
-    for (const auto& c : store_.x) __builtin_prefetch(&c[first] + kPrefetch * W, 1);
-    for (const auto& c : store_.F) __builtin_prefetch(&c[first] + kPrefetch * W, 1);
-    __builtin_prefetch(&store_.volume[first] + kPrefetch * W);
+    store_.prefetch(group + kPrefetch);
     Vec3<V> x, v;
     Mat3<V> F, C;
     for (int a = 0; a < 3; ++a) {
@@ -283,7 +288,14 @@ void TypedStepper<T>::process_block(int index, double dt) {
     if (kGather) {
       const Place at = locate_lanes(x);
       Mat3<V> moment;
-      gather(at, volume, v, moment);
+      write_lanes(at);
+      for (int l = 0; l < real; ++l) gather_lane(l);
+      for (int l = real; l < W; ++l) std::memset(scratch.record[l], 0, sizeof(scratch.record[l]));
+      records_to_lanes<T>(scratch.record, scratch.lanes);
+      for (int a = 0; a < 3; ++a) {
+        v[a] = V(scratch.lanes[1 + a], stdx::vector_aligned);
+        for (int b = 0; b < 3; ++b) moment[a][b] = V(scratch.lanes[4 + 4 * b + 1 + a], stdx::vector_aligned);
+      }
       for (int a = 0; a < 3; ++a) {
         for (int b = 0; b < 3; ++b) C[a][b] = gradient * (moment[a][b] + at.to_center[b] * v[a]);
       }
@@ -364,7 +376,7 @@ void TypedStepper<T>::process_block(int index, double dt) {
         v[a].copy_to(&store_.v[a][first], stdx::vector_aligned);
         for (int b = 0; b < 3; ++b) C[a][b].copy_to(&store_.C[3 * a + b][first], stdx::vector_aligned);
       }
-      return;
+      continue;
     }
 
     if (controlled && before_.active) {
@@ -380,7 +392,15 @@ void TypedStepper<T>::process_block(int index, double dt) {
     // Per cell of offset: m C dx − dt V⁰ (4/dx) τ (MLS-MPM, Hu et al. 2018).
     const V inertia = mass * T(dx_), force = -(step * gradient) * volume;
     const Mat3<V> Q = inertia * C + force * tau;
-    scatter(at, volume, mass, mass * v + Q * at.to_center, Q);
+    write_lanes(at);
+    write_records(mass, mass * v + Q * at.to_center, Q);
+    for (int l = 0; l < real; ++l) {
+      if (scratch.offset[l] != corner) {
+        if (corner >= 0) flush_rows(sum, out + corner);
+        corner = scratch.offset[l];
+      }
+      scatter_lane(sum, l);
+    }
     if (kMeasure) {
       const Mat3<V> spin = inertia * C;
       write_records(mass, mass * v + spin * at.to_center, spin);
@@ -392,39 +412,6 @@ void TypedStepper<T>::process_block(int index, double dt) {
         flush_rows(own, force_free + scratch.offset[l]);
       }
     }
-  };
-
-  Row<T> sum[9];
-  for (auto& s : sum) s = Row<T>::zero();
-  int corner = -1;  // arena offset that `sum` belongs to
-  for (int first = block.begin; first < block.begin + block.count; first += W) {
-    const int real = std::min(W, block.begin + block.count - first);
-    const auto gather = [&](const Place& at, const V&, Vec3<V>& v, Mat3<V>& moment) {
-      write_lanes(at);
-      for (int l = 0; l < real; ++l) {
-        T w[9];
-        weights_of(l, w);
-        gather_particle(scratch.arena + scratch.offset[l], w, w + 3, w + 6, scratch.record[l]);
-      }
-      for (int l = real; l < W; ++l) std::memset(scratch.record[l], 0, sizeof(scratch.record[l]));
-      records_to_lanes<T>(scratch.record, scratch.lanes);
-      for (int a = 0; a < 3; ++a) {
-        v[a] = V(scratch.lanes[1 + a], stdx::vector_aligned);
-        for (int b = 0; b < 3; ++b) moment[a][b] = V(scratch.lanes[4 + 4 * b + 1 + a], stdx::vector_aligned);
-      }
-    };
-    const auto scatter = [&](const Place& at, const V&, const V& mass, const Vec3<V>& momentum, const Mat3<V>& Q) {
-      write_lanes(at);
-      write_records(mass, momentum, Q);
-      for (int l = 0; l < real; ++l) {
-        if (scratch.offset[l] != corner) {
-          if (corner >= 0) flush_rows(sum, out + corner);
-          corner = scratch.offset[l];
-        }
-        scatter_lane(sum, l);
-      }
-    };
-    process_group(first, gather, scatter);
   }
   if (kScatter) {
     if (corner >= 0) flush_rows(sum, out + corner);

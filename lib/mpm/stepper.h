@@ -62,8 +62,9 @@ class Stepper {
   virtual StepReport advance(int steps, double dt, const ControlSource& controls, double energy_limit) = 0;
 
   virtual int active_grid_blocks() const = 0;
-  // Memory of the particles and of the active grid in the solver's own order and precision.
-  virtual size_t bytes() const = 0;
+  // Memory of the particles, and of the active grid nodes with their arenas, in the solver's own order and precision.
+  virtual size_t particle_bytes() const = 0;
+  virtual size_t grid_bytes() const = 0;
 };
 
 std::unique_ptr<Stepper> make_stepper(Precision precision, const StepperSetup& setup);

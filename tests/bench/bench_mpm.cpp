@@ -1,6 +1,6 @@
-// Particle-steps per second of the solver, one tab-separated line per case.
+// The solver's speed next to what the machine can do, one tab-separated line per case.
 //
-// Each case is a cube of jittered particles, rotated against the grid, that falls and is squeezed or sheared by its
+// Each case is a cube of jittered particles, eight per cell, turned against the grid, that falls and is squeezed by its
 // initial velocity field, so that return maps are at work. Usage: bench_mpm [particles ...]
 #include <cstdio>
 #include <cstdlib>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "mpm/lanes.h"
 #include "mpm/simulation.h"
 
 using namespace physmas;
@@ -18,8 +19,65 @@ using namespace physmas::mpm;
 
 namespace {
 
-// About `count` particles, eight per cell, in a cube that is turned by half a radian about (1, 1, 1).
-Problem make_problem(int count, const std::vector<Branch>& branches) {
+// ---- What the machine can do.
+
+// Floating-point operations per second of one thread that does nothing but fused multiply-adds in registers.
+template <class T>
+double measure_fma() {
+  using V = Lanes<T>;
+  constexpr int kChains = 24, kRounds = 1 << 21;  // enough chains to hide the latency
+  V a[kChains];
+  for (int i = 0; i < kChains; ++i) a[i] = V(T(i));
+  V factor(T(0.999)), term(T(0.001));
+  const Stopwatch watch;
+  for (int round = 0; round < kRounds; ++round) {
+#pragma GCC unroll 24
+    for (int i = 0; i < kChains; ++i) a[i] = a[i] * factor + term;
+  }
+  const double seconds = watch.seconds();
+  V sum(T(0));
+  for (const V& x : a) sum += x;
+  volatile T keep = stdx::reduce(sum);
+  (void)keep;
+  return 2.0 * kLanes<T> * kChains * kRounds / seconds;
+}
+
+// Bytes per second that one thread reads from memory and writes to it.
+double measure_memory() {
+  std::vector<float> a(1 << 25, 1.0f), b(1 << 25, 2.0f);
+  double best = 0;
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    const Stopwatch watch;
+    for (size_t i = 0; i < a.size(); ++i) a[i] = 0.5f * b[i] + a[i];
+    best = std::max(best, 3.0 * sizeof(float) * static_cast<double>(a.size()) / watch.seconds());
+  }
+  return best;
+}
+
+// The same work on every core at once.
+template <class Measure>
+double on_all_cores(int cores, const Measure& measure) {
+  std::vector<double> rate(cores);
+  std::vector<std::thread> threads;
+  for (int i = 0; i < cores; ++i) threads.emplace_back([&, i] { rate[i] = measure(); });
+  double sum = 0;
+  for (int i = 0; i < cores; ++i) {
+    threads[i].join();
+    sum += rate[i];
+  }
+  return sum;
+}
+
+// ---- Cases.
+
+struct BenchCase {
+  std::string name;
+  std::vector<Branch> branches;  // a row each, in slabs
+  bool yields = true;            // else strengths are out of reach
+  bool turned = true;            // else aligned with the grid
+};
+
+Problem make_problem(int count, const BenchCase& bench) {
   Problem p;
   p.domain.n = 100;
   p.domain.gravity = {0, 0, -9.8};
@@ -27,12 +85,15 @@ Problem make_problem(int count, const std::vector<Branch>& branches) {
   const int side = static_cast<int>(std::lround(std::cbrt(static_cast<double>(count))));
   std::mt19937 random(7);
   std::uniform_real_distribution<double> jitter(-0.25, 0.25);
-  const double c = std::cos(0.5), s = std::sin(0.5) / std::sqrt(3.0), d = (1 - c) / 3;
+  // Half a radian about (1, 1, 1).
+  const double angle = bench.turned ? 0.5 : 0.0;
+  const double c = std::cos(angle), s = std::sin(angle) / std::sqrt(3.0), d = (1 - c) / 3;
   const Mat3d R = {{{c + d, d - s, d + s}, {d + s, c + d, d - s}, {d - s, d + s, c + d}}};
-  for (const Branch b : branches) {
+  for (const Branch b : bench.branches) {
     const double E = b == Branch::sand || b == Branch::snow ? 1e5 : 2e5;
     p.materials.push_back({b, E, 0.3, b == Branch::foam ? 200.0 : 1000.0});
   }
+  if (!bench.yields) p.constants.foam_yield = 1e12;
   for (int i = 0; i < side; ++i) {
     for (int j = 0; j < side; ++j) {
       for (int k = 0; k < side; ++k) {
@@ -41,7 +102,7 @@ Problem make_problem(int count, const std::vector<Branch>& branches) {
                          spacing * (k - h + jitter(random))};
         p.particles.position.push_back(Vec3d{1, 1, 1} + R * q);
         p.particles.volume.push_back(spacing * spacing * spacing);
-        p.particles.row.push_back(static_cast<int>((i * branches.size()) / side));
+        p.particles.row.push_back(static_cast<int>((i * bench.branches.size()) / side));
         // A squeeze strong enough to make every plastic branch yield.
         p.particles.velocity.push_back({-1.0 * q.x, 1.5 * q.y, -3.0 * q.z});
       }
@@ -50,7 +111,8 @@ Problem make_problem(int count, const std::vector<Branch>& branches) {
   return p;
 }
 
-void report(const std::string& name, const Problem& problem, Precision precision, int threads, int steps) {
+void report(const BenchCase& bench, int count, Precision precision, int threads, int steps, double fma) {
+  const Problem problem = make_problem(count, bench);
   Timing timing;
   timing.frames = 3;  // the first interval warms up caches and pages
   timing.substeps = steps;
@@ -59,18 +121,19 @@ void report(const std::string& name, const Problem& problem, Precision precision
   options.precision = precision;
   options.threads = threads;
   options.measure_energy = false;
-  // Processor time from the first output frame on: what a busy machine does not distort with one thread.
+  // Processor time from the first output frame on: what a busy machine distorts least with one thread.
   std::clock_t begin = 0, end = 0;
   const Result r =
       run(problem, timing, options, [&](const Frame& frame) { (frame.index == 0 ? begin : end) = std::clock(); });
   const double processor = static_cast<double>(end - begin) / CLOCKS_PER_SEC;
-  const double count = static_cast<double>(problem.particles.size());
-  std::printf("%s\t%s\t%d\t%.0f\t%lld\t%.1f\t%.1f\t%.1f\t%.1f\t%.1f\t%.1f\t%d\t%s\n", name.c_str(),
-              precision == Precision::single ? "float" : "double", threads, count, r.steps,
-              r.particle_steps_per_second / 1e6, 1e9 * processor / (count * static_cast<double>(r.steps)),
-              1e6 * r.seconds_particles / static_cast<double>(r.steps),
-              1e6 * r.seconds_grid / static_cast<double>(r.steps), 1e6 * r.seconds_sort / static_cast<double>(r.steps),
-              1e6 * (r.seconds_particles + r.seconds_grid + r.seconds_sort) / static_cast<double>(r.steps), r.sorts,
+  const double particles = static_cast<double>(problem.particles.size()), done = static_cast<double>(r.steps);
+  const double micro = 1e6 / done;
+  std::printf("%s\t%s\t%d\t%.0f\t%lld\t%.1f\t%.2f\t%.1f\t%.1f\t%.1f\t%.1f\t%.1f\t%d\t%.0f\t%s\n", bench.name.c_str(),
+              precision == Precision::single ? "float" : "double", threads, particles, r.steps,
+              r.particle_steps_per_second / 1e6, r.particle_steps_per_second * 1000 / fma,
+              1e9 * processor / (particles * done), micro * r.seconds_particles, micro * r.seconds_grid,
+              micro * r.seconds_sort, micro * (r.seconds_particles + r.seconds_grid + r.seconds_sort), r.sorts,
+              static_cast<double>(r.particle_bytes) / particles,
               r.status == Status::stable ? "stable" : r.reason.c_str());
   std::fflush(stdout);
 }
@@ -81,24 +144,33 @@ int main(int argc, char** argv) {
   std::vector<int> sizes;
   for (int i = 1; i < argc; ++i) sizes.push_back(std::atoi(argv[i]));
   if (sizes.empty()) sizes = {2000, 10000, 200000};
-  std::printf(
-      "case\tprecision\tthreads\tparticles\tsteps\tmillion particle-steps/s\tprocessor ns/particle-step\tparticles "
-      "us/step\tgrid us/step\t"
-      "sort us/step\ttotal us/step\tsorts\tstatus\n");
-  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   std::vector<int> thread_counts = {1};
   if (cores > 1) thread_counts.push_back(cores);
+  double fma[2][2];  // [double][all cores]
+  for (const bool all : {false, true}) {
+    const int used = all ? cores : 1;
+    fma[0][all] = on_all_cores(used, measure_fma<float>);
+    fma[1][all] = on_all_cores(used, measure_fma<double>);
+    std::printf("# %d thread%s: fused multiply-adds %.0f Gflop/s float, %.0f double; memory %.1f GB/s\n", used,
+                used == 1 ? "" : "s", fma[0][all] / 1e9, fma[1][all] / 1e9, on_all_cores(used, measure_memory) / 1e9);
+  }
+  std::printf(
+      "case\tprecision\tthreads\tparticles\tsteps\tmillion particle-steps/s\tshare of FMA at 1000 flop\tprocessor "
+      "ns/particle-step\tparticles us/step\tgrid us/step\tsort us/step\ttotal "
+      "us/step\tsorts\tbytes/particle\tstatus\n");
+  std::vector<BenchCase> cases;
+  for (int b = 0; b < kBranchCount; ++b) cases.push_back({kBranchNames[b], {static_cast<Branch>(b)}});
+  cases.push_back({"Hencky elastic", {Branch::foam}, false});
+  cases.push_back({"Jelly, aligned", {Branch::jelly}, true, false});
+  cases.push_back(
+      {"all six, mixed", {Branch::jelly, Branch::metal, Branch::sand, Branch::foam, Branch::snow, Branch::plasticine}});
   for (const int size : sizes) {
     const int steps = size > 50000 ? 60 : size > 5000 ? 300 : 1000;
     for (const int threads : thread_counts) {
-      for (int b = 0; b < kBranchCount; ++b) {
-        report(kBranchNames[b], make_problem(size, {static_cast<Branch>(b)}), Precision::single, threads, steps);
-      }
-      report("all six",
-             make_problem(size,
-                          {Branch::jelly, Branch::metal, Branch::sand, Branch::foam, Branch::snow, Branch::plasticine}),
-             Precision::single, threads, steps);
-      report("Jelly", make_problem(size, {Branch::jelly}), Precision::full, threads, steps);
+      const bool all = threads > 1;
+      for (const BenchCase& c : cases) report(c, size, Precision::single, threads, steps, fma[0][all]);
+      report(cases.front(), size, Precision::full, threads, steps, fma[1][all]);
     }
   }
   return 0;
