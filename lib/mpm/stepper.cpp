@@ -54,7 +54,7 @@ class TypedStepper final : public Stepper {
   static constexpr int W = kLanes<T>;
   static_assert(W == Row<T>::kPart);
 
-  struct Scratch;
+  struct Crossing;
   // Where a register of particles is: base nodes, weights, and the way from the particle to the centre node [cells].
   struct Place {
     Vec3<V> base, to_center;
@@ -86,13 +86,41 @@ class TypedStepper final : public Stepper {
   ControlTable before_, after_;  // of the substep that is scattered, of the one that was gathered
 };
 
+// One register of particles between lanes, where stress is evaluated, and records, which meet the grid one by one.
 template <class T>
-struct TypedStepper<T>::Scratch {
-  alignas(64) T arena[kArenaNumbers];
+struct TypedStepper<T>::Crossing {
   alignas(64) T record[W][16];
   alignas(64) T weight[9][W];  // three along x, y and z
   alignas(64) T lanes[16][W];
-  int offset[W];
+  alignas(64) int offset[W];  // of the stencil in the arena
+
+  void place(const Place& at) {
+    for (int k = 0; k < 9; ++k) at.weight[k / 3][k % 3].copy_to(weight[k], stdx::vector_aligned);
+    const V node = (at.base[0] * T(kArena) + at.base[1]) * T(kArena) + at.base[2] + T(1 + kArena + kArena * kArena);
+    typedef T Numbers __attribute__((vector_size(sizeof(V))));
+    typedef int Integers __attribute__((vector_size(W * sizeof(int))));
+    const Integers offsets = __builtin_convertvector(same_bytes<Numbers>(V(T(4)) * node), Integers);
+    std::memcpy(offset, &offsets, sizeof(offsets));
+  }
+  void gather(const T* arena, int l) {
+    T w[9];
+    for (int k = 0; k < 9; ++k) w[k] = weight[k][l];
+    gather_particle(arena + offset[l], w, w + 3, w + 6, record[l]);
+  }
+  void scatter(Row<T>* sum, int l) const {
+    T w[9];
+    for (int k = 0; k < 9; ++k) w[k] = weight[k][l];
+    scatter_particle(sum, w, w + 3, w + 6, record[l]);
+  }
+  void write(const V& mass, const Vec3<V>& momentum, const Mat3<V>& Q) {
+    mass.copy_to(lanes[0], stdx::vector_aligned);
+    for (int a = 0; a < 3; ++a) {
+      momentum[a].copy_to(lanes[1 + a], stdx::vector_aligned);
+      for (int b = 0; b < 3; ++b) Q[a][b].copy_to(lanes[4 + 4 * b + 1 + a], stdx::vector_aligned);
+    }
+    for (int k = 4; k < 16; k += 4) V(T(0)).copy_to(lanes[k], stdx::vector_aligned);
+    lanes_to_records<T>(lanes, record);
+  }
 };
 
 template <class T>
@@ -183,13 +211,14 @@ Mat3<typename TypedStepper<T>::V> TypedStepper<T>::update_stress(int group, int 
 template <class T>
 template <bool kGather, bool kScatter, bool kMeasure>
 void TypedStepper<T>::process_block(int index, double dt) {
-  Scratch scratch;
+  alignas(64) T arena[kArenaNumbers];
+  Crossing crossing;
   ParticleBlock& block = store_.map.particle_blocks[index];
   T* const out = grid_.arena(index);
   T* const force_free = kMeasure ? grid_.force_free_arena(index) : nullptr;
   if constexpr (kMeasure && kScatter) std::memset(force_free, 0, kArenaNumbers * sizeof(T));
   if (kGather) {
-    grid_.load_velocities(block, scratch.arena);
+    grid_.load_velocities(block, arena);
   }
   if (kScatter) {
     for (int x = block.low[0]; x <= block.high[0]; ++x) {
@@ -236,44 +265,9 @@ void TypedStepper<T>::process_block(int index, double dt) {
       highest[axis] = at_least(at.base[axis], highest[axis]);
     }
   };
-  // For transfers of single lanes.
-  const auto write_lanes = [&](const Place& at) {
-    for (int k = 0; k < 9; ++k) at.weight[k / 3][k % 3].copy_to(scratch.weight[k], stdx::vector_aligned);
-    const V node = (at.base[0] * T(kArena) + at.base[1]) * T(kArena) + at.base[2] + T(1 + kArena + kArena * kArena);
-    alignas(64) T node_lanes[W];
-    node.copy_to(node_lanes, stdx::vector_aligned);
-    for (int l = 0; l < W; ++l) scratch.offset[l] = 4 * static_cast<int>(node_lanes[l]);
-  };
-  const auto weights_of = [&](int l, T* w) {
-    for (int k = 0; k < 9; ++k) w[k] = scratch.weight[k][l];
-  };
-  const auto gather_lane = [&](int l) {
-    T w[9];
-    weights_of(l, w);
-    gather_particle(scratch.arena + scratch.offset[l], w, w + 3, w + 6, scratch.record[l]);
-  };
-  const auto scatter_lane = [&](Row<T>* sum, int l) {
-    T w[9];
-    weights_of(l, w);
-    scatter_particle(sum, w, w + 3, w + 6, scratch.record[l]);
-  };
-  const auto write_records = [&](const V& mass, const Vec3<V>& momentum, const Mat3<V>& Q) {
-    mass.copy_to(scratch.lanes[0], stdx::vector_aligned);
-    for (int a = 0; a < 3; ++a) {
-      momentum[a].copy_to(scratch.lanes[1 + a], stdx::vector_aligned);
-      for (int b = 0; b < 3; ++b) Q[a][b].copy_to(scratch.lanes[4 + 4 * b + 1 + a], stdx::vector_aligned);
-    }
-    for (int k = 4; k < 16; k += 4) V(T(0)).copy_to(scratch.lanes[k], stdx::vector_aligned);
-    lanes_to_records<T>(scratch.lanes, scratch.record);
-  };
-
-  Row<T> sum[9];
-  for (auto& s : sum) s = Row<T>::zero();
-  int corner = -1;  // arena offset that `sum` belongs to
-  for (int first = block.begin; first < block.begin + block.count; first += W) {
-    const int real = std::min(W, block.begin + block.count - first);
+  // One register of particles, from what it gathered to what it will scatter.
+  const auto advance_lanes = [&](int first, Crossing& c) {
     const int group = first / W;
-    store_.prefetch(group + kPrefetch);
     Vec3<V> x, v;
     Mat3<V> F, C;
     for (int a = 0; a < 3; ++a) {
@@ -287,14 +281,11 @@ void TypedStepper<T>::process_block(int index, double dt) {
 
     if (kGather) {
       const Place at = locate_lanes(x);
+      records_to_lanes<T>(c.record, c.lanes);
       Mat3<V> moment;
-      write_lanes(at);
-      for (int l = 0; l < real; ++l) gather_lane(l);
-      for (int l = real; l < W; ++l) std::memset(scratch.record[l], 0, sizeof(scratch.record[l]));
-      records_to_lanes<T>(scratch.record, scratch.lanes);
       for (int a = 0; a < 3; ++a) {
-        v[a] = V(scratch.lanes[1 + a], stdx::vector_aligned);
-        for (int b = 0; b < 3; ++b) moment[a][b] = V(scratch.lanes[4 + 4 * b + 1 + a], stdx::vector_aligned);
+        v[a] = V(c.lanes[1 + a], stdx::vector_aligned);
+        for (int b = 0; b < 3; ++b) moment[a][b] = V(c.lanes[4 + 4 * b + 1 + a], stdx::vector_aligned);
       }
       for (int a = 0; a < 3; ++a) {
         for (int b = 0; b < 3; ++b) C[a][b] = gradient * (moment[a][b] + at.to_center[b] * v[a]);
@@ -376,7 +367,7 @@ void TypedStepper<T>::process_block(int index, double dt) {
         v[a].copy_to(&store_.v[a][first], stdx::vector_aligned);
         for (int b = 0; b < 3; ++b) C[a][b].copy_to(&store_.C[3 * a + b][first], stdx::vector_aligned);
       }
-      continue;
+      return;
     }
 
     if (controlled && before_.active) {
@@ -392,25 +383,45 @@ void TypedStepper<T>::process_block(int index, double dt) {
     // Per cell of offset: m C dx − dt V⁰ (4/dx) τ (MLS-MPM, Hu et al. 2018).
     const V inertia = mass * T(dx_), force = -(step * gradient) * volume;
     const Mat3<V> Q = inertia * C + force * tau;
-    write_lanes(at);
-    write_records(mass, mass * v + Q * at.to_center, Q);
-    for (int l = 0; l < real; ++l) {
-      if (scratch.offset[l] != corner) {
-        if (corner >= 0) flush_rows(sum, out + corner);
-        corner = scratch.offset[l];
-      }
-      scatter_lane(sum, l);
-    }
+    c.place(at);
+    c.write(mass, mass * v + Q * at.to_center, Q);
     if (kMeasure) {
       const Mat3<V> spin = inertia * C;
-      write_records(mass, mass * v + spin * at.to_center, spin);
+      Crossing free;
+      free.place(at);
+      free.write(mass, mass * v + spin * at.to_center, spin);
       Row<T> own[9];
       for (auto& s : own) s = Row<T>::zero();
       for (int l = 0; l < W; ++l) {
         if (store_.particle[first + l] < 0) continue;
-        scatter_lane(own, l);
-        flush_rows(own, force_free + scratch.offset[l]);
+        free.scatter(own, l);
+        flush_rows(own, force_free + free.offset[l]);
       }
+    }
+  };
+
+  Row<T> sum[9];
+  for (auto& s : sum) s = Row<T>::zero();
+  int corner = -1;  // arena offset that `sum` belongs to
+  const int end = block.begin + block.count;
+  for (int first = block.begin; first < end; first += W) {
+    const int real = std::min(W, end - first);
+    store_.prefetch(first / W + kPrefetch);
+    if (kGather) {
+      Vec3<V> x;
+      for (int a = 0; a < 3; ++a) x[a] = V(&store_.x[a][first], stdx::vector_aligned);
+      crossing.place(locate_lanes(x));
+      for (int l = 0; l < real; ++l) crossing.gather(arena, l);
+      for (int l = real; l < W; ++l) std::memset(crossing.record[l], 0, sizeof(crossing.record[l]));
+    }
+    advance_lanes(first, crossing);
+    if (!kScatter) continue;
+    for (int l = 0; l < real; ++l) {
+      if (crossing.offset[l] != corner) {
+        if (corner >= 0) flush_rows(sum, out + corner);
+        corner = crossing.offset[l];
+      }
+      crossing.scatter(sum, l);
     }
   }
   if (kScatter) {
