@@ -119,6 +119,9 @@ struct Result {
   size_t particle_bytes = 0, grid_bytes = 0;  // most memory of the solver for particles and for active grid nodes
 };
 
+// Throws invalid_input for broken input; `run` begins with it.
+void check_problem(const Problem& problem, const Timing& timing);
+
 // Integrates the problem. A diverged run is a result; broken input (a row out of range, a position that is not finite,
 // a volume that is not positive, a parameter outside its domain) throws invalid_input (exit code 3).
 Result run(const Problem& problem, const Timing& timing, const Options& options, const FrameCallback& callback);
