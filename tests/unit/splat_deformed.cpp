@@ -1,8 +1,8 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <random>
 
@@ -132,7 +132,11 @@ TEST_CASE("splat: what does not move keeps its values, and a turn keeps scales a
     const auto rotation_of = [](const std::array<float, 4>& q) {
       return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
     };
-    CHECK((rotation_of(turned.rotation[i]) - turns[i].cast<double>() * rotation_of(rest.rotation[i])).norm() < 1e-5);
+    // Axes of nearly equal length are defined only as well as float32 tells the lengths apart.
+    const Eigen::Vector3f s = rest.log_scale[i];
+    const float gap = std::min({1.0f, std::abs(s[0] - s[1]), std::abs(s[1] - s[2]), std::abs(s[2] - s[0])});
+    CHECK((rotation_of(turned.rotation[i]) - turns[i].cast<double>() * rotation_of(rest.rotation[i])).norm() <
+          2e-6 / gap);
   }
 }
 

@@ -51,7 +51,7 @@ TEST_CASE("splat: within one 8-bit level of the plain renderer over every backgr
   }
 }
 
-TEST_CASE("splat: opacity 0 leaves no trace, opacity 1 hides all but a hundredth") {
+TEST_CASE("splat: opacity 0 leaves no trace, opacity 1 lets a hundredth through") {
   Gaussians g = one_gaussian(0.2f, 0.5f, 1);
   g.resize(2, 0);
   g.log_scale[1] = g.log_scale[0];
@@ -63,7 +63,8 @@ TEST_CASE("splat: opacity 0 leaves no trace, opacity 1 hides all but a hundredth
   Renderer opaque(g);
   const RenderedImage& image = opaque.render(camera);
   CHECK(image.rgb[3 * center] == doctest::Approx(0.99f));
-  CHECK(image.alpha[center] == doctest::Approx(0.9999).epsilon(1e-4));
+  // Two of them would leave a transmittance just below 1e-4, so the second is not drawn.
+  CHECK(image.alpha[center] == doctest::Approx(0.99f));
   g.opacity_logit[0] = -1000;
   Renderer clear(g);
   CHECK(clear.render(camera).rgb[3 * center] == 0);
@@ -120,8 +121,8 @@ TEST_CASE("splat: a million opaque Gaussians in one tile end early") {
   options.threads = 1;
   Renderer renderer(g);
   const RenderedImage& image = renderer.render(front_camera(16, 16), {}, options);
-  // Four of them leave less than 1e-4; what lies behind may not show.
-  for (float a : image.alpha) CHECK(a > 0.9998f);
-  for (float v : image.rgb) CHECK(v == doctest::Approx(0.5f + kShC0).epsilon(1e-3));
+  // A handful of them would leave less than 1e-4, and none leaves less than a twenty-second: blending ends above 22e-4.
+  for (float a : image.alpha) CHECK(a > 1 - 22e-4f);
+  for (float v : image.rgb) CHECK(v == doctest::Approx(0.5f + kShC0).epsilon(22e-4));
   CHECK(renderer.stats().drawn == g.size());
 }
