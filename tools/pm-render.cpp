@@ -204,10 +204,11 @@ int render(const Options& options) {
     video->finish();
     if (row_video) row_video->finish();
     if (still > 0) {
-      record.omitted.push_back({"projection of what stood still",
-                                fmt::format("{} of {} Gaussians over all frames kept covariance and colour of the frame "
-                                            "before: neither they nor the camera moved",
-                                            still, gaussians.size() * wanted.size())});
+      record.omitted.push_back(
+          {"projection of what stood still",
+           fmt::format("{} of {} Gaussians over all frames kept covariance and colour of the frame "
+                       "before: neither they nor the camera moved",
+                       still, gaussians.size() * wanted.size())});
     }
     if (!options.sheet.empty()) sheet.save(options.sheet);
     record.video = fs::path(video_path).filename().string();
@@ -225,7 +226,11 @@ int render(const Options& options) {
     log_warning(fmt::format("{}: {} Gaussians over all frames were not finite and were left out", record.candidate,
                             record.skipped_gaussians));
   }
-  record.runtime = {{"seconds", {{"total", total.seconds()}, {"render", render_seconds}, {"encode", encode_seconds}, {"export", export_seconds}}},
+  record.runtime = {{"seconds",
+                     {{"total", total.seconds()},
+                      {"render", render_seconds},
+                      {"encode", encode_seconds},
+                      {"export", export_seconds}}},
                     {"peak_memory_bytes", peak_memory_bytes()}};
   Provenance provenance;
   provenance.tool = "pm-render";

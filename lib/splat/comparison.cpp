@@ -49,8 +49,8 @@ long write_comparison(const ComparisonOptions& options) {
   }
   const std::vector<std::string> titles = options.titles.empty() ? default_titles(options.videos) : options.titles;
   if (titles.size() != count) {
-    throw Error(ExitCode::usage, fmt::format("--title: found {}, expected one for each of the {} videos",
-                                             options.titles.size(), count));
+    throw Error(ExitCode::usage,
+                fmt::format("--title: found {}, expected one for each of the {} videos", options.titles.size(), count));
   }
   std::vector<std::unique_ptr<VideoReader>> readers;
   for (const std::string& video : options.videos) {

@@ -40,8 +40,8 @@ struct VideoInfo {
   double fps = 0;
 };
 
-// Reads an mp4 file frame by frame in display order. Every function throws an Error (exit code 3) naming the file when it
-// is no video, or when a frame is damaged or missing.
+// Reads an mp4 file frame by frame in display order. Every function throws an Error (exit code 3) naming the file when
+// it is no video, or when a frame is damaged or missing.
 class VideoReader {
  public:
   explicit VideoReader(const std::string& path);

@@ -47,8 +47,8 @@ void VideoReader::State::open() {
   check(opened, "", "an mp4 video");
   check(avformat_find_stream_info(format, nullptr), "", "an mp4 video");
   const AVCodec* codec = nullptr;
-  stream = format->streams[check(av_find_best_stream(format, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0), "",
-                                 "a video stream")];
+  stream =
+      format->streams[check(av_find_best_stream(format, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0), "", "a video stream")];
   decoder.reset(avcodec_alloc_context3(codec));
   packet.reset(av_packet_alloc());
   frame.reset(av_frame_alloc());

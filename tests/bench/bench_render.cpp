@@ -1,6 +1,6 @@
-// Milliseconds per frame of the renderer by phase (medians), one tab-separated line per scene: 50 frames of 800 x 800 in which
-// every Gaussian moves, as pm-render makes them, and the H.264 video. Run from the project's folder.
-// Usage: bench_render [FILE ...]  more files of Gaussians, y down
+// Milliseconds per frame of the renderer by phase (medians), one tab-separated line per scene: 50 frames of 800 x 800
+// in which every Gaussian moves, as pm-render makes them, and the H.264 video. Run from the project's folder. Usage:
+// bench_render [FILE ...]  more files of Gaussians, y down
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -126,7 +126,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> files = {"../shared/data/guitar.compressed.ply"};
   for (int i = 1; i < argc; ++i) files.emplace_back(argv[i]);
   std::printf(
-      "scene\tGaussians\tSH degree\tsplat-tile pairs\tproject ms\tsort ms\tbin ms\traster ms\tframe ms\tstill frame ms\t"
+      "scene\tGaussians\tSH degree\tsplat-tile pairs\tproject ms\tsort ms\tbin ms\traster ms\tframe ms\tstill frame "
+      "ms\t"
       "quantise ms\tencode ms\t50 frames and video s\tpeak MiB so far\n");
   try {
     const std::string cake = "examples/cake.json";

@@ -82,10 +82,10 @@ TEST_CASE("splat: deformed Gaussians have the covariance F Sigma F^T, whatever F
   Gaussians rest = random_scene(600, 0, 7);
   std::vector<RowMatrix3f> F = random_deformations(rest.size(), 8);
   for (size_t i = 0; i < rest.size(); ++i) {
-    if (i % 6 == 1) F[i].row(0) = -F[i].row(0);                                        // most of them inverted
-    if (i % 6 == 2) F[i].row(1) = F[i].row(0);                                         // flat
-    if (i % 6 == 3) F[i].setZero();                                                    // a point
-    if (i % 6 == 4) rest.log_scale[i] = {3, -9, -9};                                   // needle
+    if (i % 6 == 1) F[i].row(0) = -F[i].row(0);       // most of them inverted
+    if (i % 6 == 2) F[i].row(1) = F[i].row(0);        // flat
+    if (i % 6 == 3) F[i].setZero();                   // a point
+    if (i % 6 == 4) rest.log_scale[i] = {3, -9, -9};  // needle
     if (i % 6 == 5) F[i] *= i % 12 == 5 ? 1e8f : 1e-8f;
   }
   Deformation deformation;

@@ -92,8 +92,8 @@ TEST_CASE("video: a comparison shows every video in its cell, and holds the last
     CHECK(std::abs(level(t, 36, 28) - (40 + 10 * t)) <= 4);
     CHECK(std::abs(level(t, 104, 28) - (150 + 10 * std::min(t, 1))) <= 4);
     CHECK(std::abs(level(t, 36, 98) - (90 + 10 * t)) <= 4);
-    CHECK(level(t, 8, 98) > 245);   // beside the tall one
-    CHECK(level(t, 104, 98) > 245);  // no fourth
+    CHECK(level(t, 8, 98) > 245);     // beside the tall one
+    CHECK(level(t, 104, 98) > 245);   // no fourth
     CHECK(level(t, 110, 135) > 245);  // the long title ends with its cell
   }
 
