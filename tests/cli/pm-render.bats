@@ -87,6 +87,13 @@ PY
   grep -q '"--frames asks for 0,3-4"' videos/support-stiff.json
 }
 
+@test "pm-render: what stands still is not projected again, and the record says so" {
+  render --frames 3,3
+  grep -q '"projection of what stood still"' videos/support-stiff.json
+  count=$("$bin/pm-scene" info bundle/gaussians.ply | grep -oE '[0-9]+ Gaussians' | head -1 | cut -d' ' -f1)
+  grep -q "\"$count of $((2 * count)) Gaussians over all frames" videos/support-stiff.json
+}
+
 @test "pm-render: a diverged rollout has a record and no video, and an old video goes" {
   render
   edit candidates/support-stiff.json 's/"E": [0-9.e+]+/"E": 3e11/'
