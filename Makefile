@@ -214,7 +214,7 @@ test-cli: all $(TEST_TOOLS) ## The command-line tests
 # --- Benchmarks ---------------------------------------------------------------------------------------------------
 
 .PHONY: bench
-bench: $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%) ## Particle-steps per second of the solver, per branch
+bench: $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%) ## Speed: particle-steps per second of the solver, milliseconds per frame of the renderer
 	$(Q)for b in $^; do $$b || exit; done
 
 # --- Studies of the solver ----------------------------------------------------------------------------------------

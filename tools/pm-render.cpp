@@ -1,4 +1,4 @@
-// pm-render: one rollout -> frames, an H.264 video and its render record.
+// pm-render: one rollout -> frames, an H.264 video and its render record; several videos -> one to compare them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,14 +10,19 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "records/execution.h"
+#include "records/inventory.h"
 #include "records/render.h"
 #include "records/rollout.h"
 #include "records/state.h"
 #include "scene/gaussian_files.h"
 #include "scene/scene.h"
+#include "splat/comparison.h"
+#include "splat/deformed_gaussians.h"
+#include "splat/depth_picture.h"
 #include "splat/foreground.h"
 #include "splat/image_io.h"
 #include "splat/renderer.h"
+#include "splat/row_colors.h"
 #include "splat/transport.h"
 #include "splat/video.h"
 
@@ -27,7 +32,7 @@ using namespace physmas;
 namespace {
 
 struct Options {
-  std::string scene, state, rollout, out, frames, png, ply, sheet;
+  std::string scene, state, rollout, out, frames, png, depth, ply, sheet, labels, inventory;
 };
 
 // "0,10,20-24" -> frame numbers in the given order; every one must be below `count`.
@@ -82,14 +87,45 @@ class ContactSheet {
   std::vector<std::string> captions_;
 };
 
-int render(const Options& options, const CommonOptions&) {
-  if (!options.ply.empty())
-    throw Error(ExitCode::usage, "--ply: writing a PLY per frame is not built yet; use --png for frames");
+// The label video: the same frames with every Gaussian in its row's colour.
+class RowVideo {
+ public:
+  RowVideo(const std::string& path, const Gaussians& gaussians, const State& state, const Inventory& inventory,
+           const RenderRecord& record)
+      : painted_(splat::painted_by_row(gaussians, state.gaussian_row, residual_rows(inventory))),
+        renderer_(painted_),
+        video_(path, record.width, record.height, record.fps) {}
+  void add(const Camera& camera, const splat::Deformation& deformation) {
+    splat::RenderOptions options;
+    options.background = Eigen::Vector3f::Ones();
+    video_.write(splat::quantize(renderer_.render(camera, deformation, options)));
+  }
+  void finish() { video_.finish(); }
+
+ private:
+  static std::vector<bool> residual_rows(const Inventory& inventory) {
+    std::vector<bool> residual;
+    for (const InventoryRow& row : inventory.rows) residual.push_back(row.residual);
+    return residual;
+  }
+
+  Gaussians painted_;
+  splat::Renderer renderer_;
+  splat::VideoWriter video_;
+};
+
+std::string frame_file(const std::string& folder, const char* name, int frame, const char* extension) {
+  return (fs::path(folder) / fmt::format("{}_{:04d}.{}", name, frame, extension)).string();
+}
+
+int render(const Options& options) {
   const Stopwatch total;
   SceneNeeds needs;
   needs.gaussians = needs.output_cameras = true;
   const Scene scene = load_scene(options.scene, needs);
-  const State state = load_state(options.state);
+  Inventory inventory;
+  if (!options.labels.empty()) inventory = load_inventory(options.inventory);
+  const State state = load_state(options.state, options.labels.empty() ? nullptr : &inventory);
   const Gaussians gaussians = load_labelled_gaussians(scene.gaussians, state, options.state);
   const RolloutReader rollout(options.rollout, gaussians.size());
   const std::string execution_path = fs::path(options.rollout).replace_extension(".json").string();
@@ -120,11 +156,18 @@ int render(const Options& options, const CommonOptions&) {
   render_options.background = scene.run.render.background.cast<float>();
   render_options.max_sh_degree = scene.run.render.sh_degree;
   std::unique_ptr<splat::VideoWriter> video;
-  if (!wanted.empty())
+  std::unique_ptr<RowVideo> row_video;
+  if (!wanted.empty()) {
     video = std::make_unique<splat::VideoWriter>(video_path, record.width, record.height, record.fps);
+    if (!options.labels.empty())
+      row_video = std::make_unique<RowVideo>(options.labels, gaussians, state, inventory, record);
+    if (!options.depth.empty()) record.depth_unit = splat::depth_unit(scene.output_cameras, state.map);
+  }
+  render_options.depth = record.depth_unit > 0;
   ContactSheet sheet(wanted.size());
   Progress progress("frame", static_cast<long>(wanted.size()));
-  double render_seconds = 0, encode_seconds = 0;
+  double render_seconds = 0, encode_seconds = 0, export_seconds = 0;
+  size_t still = 0;  // Gaussians, over all frames, that kept their projection
   for (size_t i = 0; i < wanted.size(); ++i) {
     const int t = wanted[i];
     const Camera& camera = scene.output_camera(t);
@@ -137,19 +180,36 @@ int render(const Options& options, const CommonOptions&) {
     const splat::TransportedFrame transported(rollout.frame(t), state.map);
     const splat::RenderedImage& image = renderer.render(camera, transported.deformation(), render_options);
     record.skipped_gaussians += static_cast<long>(renderer.stats().skipped);
+    still += gaussians.size() - renderer.stats().reprojected;
     const Image quantized = splat::quantize(image);
     record.frames.push_back(splat::measure_foreground(image, quantized, t, scene.run.screening.dark_luminance));
     render_seconds += render_watch.seconds();
     const Stopwatch encode_watch;
     video->write(quantized);
-    if (!options.png.empty())
-      splat::save_png((fs::path(options.png) / fmt::format("frame_{:04d}.png", t)).string(), quantized);
     if (!options.sheet.empty()) sheet.add(i, t, quantized);
     encode_seconds += encode_watch.seconds();
+    const Stopwatch export_watch;
+    if (row_video) row_video->add(camera, transported.deformation());
+    if (!options.png.empty()) splat::save_png(frame_file(options.png, "frame", t, "png"), quantized);
+    if (!options.depth.empty())
+      splat::save_depth_png(frame_file(options.depth, "depth", t, "png"), image, record.depth_unit);
+    if (!options.ply.empty()) {
+      save_gaussians_ply(frame_file(options.ply, "frame", t, "ply"),
+                         splat::deformed_gaussians(gaussians, transported.deformation()));
+    }
+    export_seconds += export_watch.seconds();
     progress.update(static_cast<long>(i) + 1);
   }
   if (video) {
     video->finish();
+    if (row_video) row_video->finish();
+    if (still > 0) {
+      record.omitted.push_back(
+          {"projection of what stood still",
+           fmt::format("{} of {} Gaussians over all frames kept covariance and colour of the frame "
+                       "before: neither they nor the camera moved",
+                       still, gaussians.size() * wanted.size())});
+    }
     if (!options.sheet.empty()) sheet.save(options.sheet);
     record.video = fs::path(video_path).filename().string();
     record.frames_written = static_cast<int>(wanted.size());
@@ -157,51 +217,93 @@ int render(const Options& options, const CommonOptions&) {
   } else {
     // Pictures of an earlier run would belong to another rollout.
     std::error_code ignored;
-    fs::remove(video_path, ignored);
-    if (!options.sheet.empty()) fs::remove(options.sheet, ignored);
+    for (const std::string& old : {video_path, options.sheet, options.labels}) {
+      if (!old.empty()) fs::remove(old, ignored);
+    }
     log_info(record.candidate + ": no video, " + record.omitted.back().why);
   }
   if (record.skipped_gaussians > 0) {
     log_warning(fmt::format("{}: {} Gaussians over all frames were not finite and were left out", record.candidate,
                             record.skipped_gaussians));
   }
-  record.runtime = {{"seconds", {{"total", total.seconds()}, {"render", render_seconds}, {"encode", encode_seconds}}},
+  record.runtime = {{"seconds",
+                     {{"total", total.seconds()},
+                      {"render", render_seconds},
+                      {"encode", encode_seconds},
+                      {"export", export_seconds}}},
                     {"peak_memory_bytes", peak_memory_bytes()}};
   Provenance provenance;
   provenance.tool = "pm-render";
   if (!options.frames.empty()) provenance.options.emplace_back("frames", options.frames);
   for (const std::string& input : {options.scene, options.state, options.rollout, execution_path})
     provenance.add_input(input);
+  if (!options.labels.empty()) provenance.add_input(options.inventory);
   save_render(record_path, record, provenance);
   return 0;
+}
+
+// What a call without a subcommand needs; the parser cannot know.
+void require_given(const Options& options) {
+  for (const auto& [flag, value] : {std::pair("--scene", &options.scene), std::pair("--state", &options.state),
+                                    std::pair("--rollout", &options.rollout), std::pair("--out", &options.out)}) {
+    if (value->empty()) throw Error(ExitCode::usage, fmt::format("{} is required; see pm-render --help", flag));
+  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
-  return run_tool(
-      argc, argv,
-      {"pm-render", "Render a rollout's frames into an H.264 video and a render record.",
-       "Example: pm-render --scene scene.json --state state.h5 --rollout rollouts/posterior.h5 --out "
-       "videos/posterior.mp4\n"
-       "Reads physmas/scene/1, state/1, rollout/1 and the execution record beside the rollout;\n"
-       "writes the video and physmas/render/1 beside it.",
-       [&](CLI::App& app) {
-         app.add_option("--scene", options.scene, "Scene or its render slice")->required();
-         app.add_option("--state", options.state, "State with the solver map")->required();
-         app.add_option("--rollout", options.rollout, "Rollout to render")->required();
-         app.add_option("--out", options.out, "Video to write, .mp4; the record goes beside it")
-             ->required()
-             ->check([](const std::string& path) {
-               return fs::path(path).extension() == ".mp4" ? std::string() : "--out: expected a name that ends in .mp4";
-             });
-         app.add_option("--frames", options.frames, "Only these frames: 0,10,20-24")->group("Selection");
-         app.add_option("--sheet", options.sheet, "Also write a contact sheet of up to eight frames, .png")
-             ->group("Selection");
-         app.add_option("--png", options.png, "Also write each frame as DIR/frame_0000.png")->group("Selection");
-         app.add_option("--ply", options.ply, "Also write each frame as a 3DGS PLY (not built yet)")
-             ->group("Selection");
-       },
-       [&](const CommonOptions& common) { return render(options, common); }});
+  splat::ComparisonOptions comparison;
+  CLI::App* compare = nullptr;
+  const auto is_mp4 = [](const std::string& path) {
+    return fs::path(path).extension() == ".mp4" ? std::string() : "expected a name that ends in .mp4";
+  };
+  ToolMain tool;
+  tool.name = "pm-render";
+  tool.description = "Render a rollout's frames into an H.264 video and a render record.";
+  tool.footer =
+      "Example: pm-render --scene scene.json --state state.h5 --rollout rollouts/posterior.h5 --out "
+      "videos/posterior.mp4\n"
+      "         pm-render compare videos/posterior.mp4 videos/stiff.mp4 --out compare.mp4\n"
+      "Reads physmas/scene/1, state/1, rollout/1 and the execution record beside the rollout;\n"
+      "writes the video and physmas/render/1 beside it.";
+  tool.options = [&](CLI::App& app) {
+    app.add_option("--scene", options.scene, "Scene or its render slice (required)");
+    app.add_option("--state", options.state, "State with the solver map (required)");
+    app.add_option("--rollout", options.rollout, "Rollout to render (required)");
+    app.add_option("--out", options.out, "Video to write, .mp4 (required); the record goes beside it")->check(is_mp4);
+    app.add_option("--frames", options.frames, "Only these frames: 0,10,20-24")->group("Selection");
+    const auto also = [&](const char* flag, std::string& value, const char* text) {
+      return app.add_option(flag, value, text)->group("Also write");
+    };
+    also("--sheet", options.sheet, "A contact sheet of up to eight frames, .png");
+    also("--png", options.png, "Each frame as DIR/frame_0000.png");
+    also("--depth", options.depth, "Each frame's depth as DIR/depth_0000.png, 16 bits");
+    also("--ply", options.ply, "Each frame's Gaussians as a 3DGS file DIR/frame_0000.ply");
+    CLI::Option* labels = also("--labels", options.labels, "A video with the rows in colours, .mp4")->check(is_mp4);
+    labels->needs(also("--inventory", options.inventory, "inventory.json with the rows, for --labels"));
+
+    compare = app.add_subcommand("compare", "Several videos side by side in one");
+    compare->add_option("VIDEO", comparison.videos, "Videos of pm-render, two or more")->required();
+    compare->add_option("--out", comparison.out, "Video to write, .mp4")->required()->check(is_mp4);
+    compare->add_option("--title", comparison.titles, "Once per video; made from their names when absent")
+        ->expected(1)
+        ->take_all();
+    compare->add_option("--columns", comparison.columns, "Videos per row, 0 for about a square")
+        ->check(CLI::Range(0, 64))
+        ->capture_default_str();
+    compare->add_option("--cell-width", comparison.cell_width, "Pixels, the most that one video gets")
+        ->check(CLI::Range(16, 2048))
+        ->capture_default_str();
+  };
+  tool.work = [&](const CommonOptions&) {
+    if (compare->parsed()) {
+      splat::write_comparison(comparison);
+      return static_cast<int>(ExitCode::done);
+    }
+    require_given(options);
+    return render(options);
+  };
+  return run_tool(argc, argv, tool);
 }

@@ -8,8 +8,7 @@
 
 namespace physmas::lift {
 
-// The scene drawn with every Gaussian in its row's colour; shading keeps a little of the scene's own lightness.
-// row: [N]; rows: how many there are. Residual rows (residual[r]) are grey.
+// The scene over white, every Gaussian in its row's colour (splat/row_colors.h). row: [N]; residual: [rows].
 Image label_picture(const Gaussians& gaussians, const std::vector<int32_t>& row, const std::vector<bool>& residual,
                     const Camera& camera);
 

@@ -29,6 +29,7 @@ RenderRecord load_render(const std::string& path) {
     record.frames.push_back(frame);
   }
   record.skipped_gaussians = document.value("skipped_gaussians", 0L);
+  record.depth_unit = document.value("depth_unit", 0.0);
   record.omitted = omissions_from(document);
   record.runtime = document.at("runtime");
   return record;
@@ -51,6 +52,7 @@ void save_render(const std::string& path, const RenderRecord& record, const Prov
                               {"dark_ratio", frame.dark_ratio}});
   }
   json["skipped_gaussians"] = record.skipped_gaussians;
+  if (record.depth_unit > 0) json["depth_unit"] = record.depth_unit;
   json["omitted"] = to_json(record.omitted);
   json["runtime"] = record.runtime;
   save_record(path, "render", provenance, json);

@@ -29,6 +29,7 @@ struct RenderRecord {
   int width = 0, height = 0;
   std::vector<FrameForeground> frames;
   long skipped_gaussians = 0;
+  double depth_unit = 0;  // scene units per level of the depth pictures; 0: none were written
   std::vector<Omission> omitted;
   Json runtime = Json::object();
 };

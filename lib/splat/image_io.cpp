@@ -15,6 +15,8 @@ namespace {
 
 constexpr size_t kMaxFileBytes = size_t{1} << 30;
 constexpr uint64_t kMaxPixels = 1 << 28;
+constexpr int kCaptionFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr double kCaptionScale = 0.42;
 
 uint8_t level(float value) {
   return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255 + 0.5f);
@@ -44,6 +46,30 @@ Image image_of(const cv::Mat& m) {
   Image image(m.cols, m.rows, m.channels());
   m.copyTo(view(image));
   return image;
+}
+
+std::string encode(const cv::Mat& pixels) {
+  std::vector<uint8_t> bytes;
+  // Stated, so that a change of OpenCV's defaults does not change our bytes.
+  const std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 4, cv::IMWRITE_PNG_STRATEGY,
+                                       cv::IMWRITE_PNG_STRATEGY_DEFAULT};
+  bool encoded = false;
+  try {
+    encoded = cv::imencode(".png", pixels, bytes, parameters);
+  } catch (const cv::Exception& error) {
+    throw internal_error(fmt::format("PNG encoder: {}", error.what()));
+  }
+  if (!encoded) throw internal_error("the PNG encoder refused the image");
+  return std::string(bytes.begin(), bytes.end());
+}
+
+// The caption, or as much of it as fits into `width` pixels, ending in dots.
+std::string fitting(const std::string& caption, int width) {
+  std::string text = caption;
+  for (size_t kept = caption.size(); kept > 0; text = caption.substr(0, --kept) + "...") {
+    if (cv::getTextSize(text, kCaptionFont, kCaptionScale, 1, nullptr).width <= width) break;
+  }
+  return text;
 }
 
 // Walks the chunks of a PNG: libpng would print its own line about a file that is cut off, and OpenCV would try to
@@ -92,18 +118,11 @@ Image quantize_with_alpha(const RenderedImage& image) {
 }
 
 std::string encode_png(const Image& image) {
-  std::vector<uint8_t> bytes;
-  // Stated, so that a change of OpenCV's defaults does not change our bytes.
-  const std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 4, cv::IMWRITE_PNG_STRATEGY,
-                                       cv::IMWRITE_PNG_STRATEGY_DEFAULT};
-  bool encoded = false;
-  try {
-    encoded = cv::imencode(".png", swap_red_and_blue(view(image)), bytes, parameters);
-  } catch (const cv::Exception& error) {
-    throw internal_error(fmt::format("PNG encoder: {}", error.what()));
-  }
-  if (!encoded) throw internal_error("the PNG encoder refused the image");
-  return std::string(bytes.begin(), bytes.end());
+  return encode(swap_red_and_blue(view(image)));
+}
+
+std::string encode_png(int width, int height, const std::vector<uint16_t>& levels) {
+  return encode(cv::Mat(height, width, CV_16UC1, const_cast<uint16_t*>(levels.data())));
 }
 
 bool save_png(const std::string& path, const Image& image) {
@@ -131,6 +150,17 @@ Image load_image(const std::string& path) {
   return image_of(swap_red_and_blue(decoded));
 }
 
+Image fit_into(const Image& picture, int width, int height) {
+  if (picture.width == width && picture.height == height) return picture;
+  const double scale = std::min(double(width) / picture.width, double(height) / picture.height);
+  const int w = std::clamp(static_cast<int>(std::lround(scale * picture.width)), 1, width);
+  const int h = std::clamp(static_cast<int>(std::lround(scale * picture.height)), 1, height);
+  cv::Mat out(height, width, CV_8UC(picture.channels), cv::Scalar::all(255));
+  cv::Mat place = out(cv::Rect((width - w) / 2, (height - h) / 2, w, h));
+  cv::resize(view(picture), place, place.size(), 0, 0, scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
+  return image_of(out);
+}
+
 Image contact_sheet(const std::vector<Image>& pictures, const std::vector<std::string>& captions, int columns,
                     int cell_width) {
   if (pictures.empty() || pictures.size() != captions.size() || columns < 1 || cell_width < 1) {
@@ -153,7 +183,7 @@ Image contact_sheet(const std::vector<Image>& pictures, const std::vector<std::s
     const int y = kGap + static_cast<int>(i / columns) * (height + kCaption + kGap);
     cv::Mat cell = sheet(cv::Rect(x, y, width, height));
     cv::resize(view(pictures[i]), cell, cell.size(), 0, 0, cv::INTER_AREA);
-    cv::putText(sheet, captions[i], {x + 2, y + height + kCaption - 5}, cv::FONT_HERSHEY_SIMPLEX, 0.42,
+    cv::putText(sheet, fitting(captions[i], width - 4), {x + 2, y + height + kCaption - 5}, kCaptionFont, kCaptionScale,
                 first.channels == 4 ? cv::Scalar(0, 0, 0, 255) : cv::Scalar::all(0), 1, cv::LINE_AA);
   }
   return image_of(sheet);

@@ -2,6 +2,7 @@
 #ifndef PHYSMAS_SPLAT_IMAGE_IO_H
 #define PHYSMAS_SPLAT_IMAGE_IO_H
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ Image quantize_with_alpha(const RenderedImage& image);
 // The bytes of a PNG of 1, 3 or 4 channels; the same pixels give the same bytes.
 std::string encode_png(const Image& image);
 
+// The same for a grey image of 16 bits. levels: [H * W].
+std::string encode_png(int width, int height, const std::vector<uint16_t>& levels);
+
 // Writes a PNG of 1, 3 or 4 channels. Atomic; the same pixels give the same bytes. Returns whether the file changed.
 // Throws an Error (exit code 3) when the file cannot be written.
 bool save_png(const std::string& path, const Image& image);
@@ -27,8 +31,12 @@ bool save_png(const std::string& path, const Image& image);
 // Throws an Error (exit code 3) naming the file when it is no readable image, or a PNG of more than 2^28 pixels.
 Image load_image(const std::string& path);
 
-// Pictures side by side in a grid of `columns`, each with its caption (such as the frame number) below it; all of the
-// first one's channels. Pictures are scaled down to at most cell_width pixels in width and must be of one size.
+// The picture as large as fits into width x height pixels, centred on white; of its channels.
+Image fit_into(const Image& picture, int width, int height);
+
+// Pictures side by side in a grid of `columns`, each with its caption (such as the frame number, in ASCII) below it,
+// cut where the cell ends; all of the first one's channels. Pictures are scaled down to at most cell_width pixels in
+// width and must be of one size.
 Image contact_sheet(const std::vector<Image>& pictures, const std::vector<std::string>& captions, int columns,
                     int cell_width);
 

@@ -40,8 +40,27 @@ struct VideoInfo {
   double fps = 0;
 };
 
-// Decodes every frame of an mp4 file and hands each to `visit`, if given, as RGB in display order. Throws an Error
-// (exit code 3) naming the file when it is no video, or when a frame is damaged or missing.
+// Reads an mp4 file frame by frame in display order. Every function throws an Error (exit code 3) naming the file when
+// it is no video, or when a frame is damaged or missing.
+class VideoReader {
+ public:
+  explicit VideoReader(const std::string& path);
+  ~VideoReader();
+  VideoReader(const VideoReader&) = delete;
+  VideoReader& operator=(const VideoReader&) = delete;
+
+  // Decodes the next frame, as RGB into `frame` if that is not null. Returns false after the last one.
+  bool next(Image* frame);
+
+  // `frames` counts those that next() has decoded.
+  const VideoInfo& info() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// Decodes every frame of an mp4 file and hands each to `visit`, if given, as RGB. Errors as VideoReader.
 VideoInfo decode_video(const std::string& path, const std::function<void(const Image& frame)>& visit = {});
 
 // Frames of the video, after decoding every one of them.

@@ -8,7 +8,7 @@ setup() { enter_tiny_run; }
   fails_with 2 "$bin/pm-render" -- "--scene"
   fails_with 2 render --frames 0-10 -- "--frames" "below 10"
   fails_with 2 render --frames x -- "--frames"
-  fails_with 2 render --ply frames -- "not built yet"
+  fails_with 2 render --labels labels.mp4 -- "--inventory"
   fails_with 2 render --out video.avi -- ".mp4"
 }
 
@@ -18,6 +18,57 @@ setup() { enter_tiny_run; }
   [ "$(ls png | wc -l)" -eq 10 ]
   [ "$(head -c 8 png/frame_0005.png | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ]
   [ "$(stat -c %s videos/support-stiff.mp4)" -gt 1000 ]
+}
+
+@test "pm-render: one 3DGS file per frame; frame 0 is the scene, filled particles are not written" {
+  render --ply ply --threads 1
+  [ "$(ls ply | wc -l)" -eq 10 ]
+  python3 - bundle/gaussians.ply ply/frame_0000.ply ply/frame_0009.ply <<'PY'
+import struct, sys
+def read(path):
+    data = open(path, "rb").read()
+    head, body = data.split(b"end_header\n", 1)
+    names = [l.split()[2].decode() for l in head.splitlines() if l.startswith(b"property")]
+    rows = [dict(zip(names, r)) for r in struct.iter_unpack("<%df" % len(names), body)]
+    return rows
+scene, first, last = map(read, sys.argv[1:])
+assert len(scene) == len(first) == len(last)
+for a, b in zip(scene, first):
+    for name in a:
+        # Positions took a way through the solver's float32.
+        assert abs(a[name] - b[name]) <= (1e-5 if name in "xyz" else 0), (name, a[name], b[name])
+assert any(abs(a["z"] - b["z"]) + abs(a["y"] - b["y"]) > 1e-3 for a, b in zip(first, last))
+assert all(a["opacity"] == b["opacity"] for a, b in zip(first, last))
+PY
+  "$bin/pm-scene" info ply/frame_0009.ply | grep -q Gaussians
+  before=$(fingerprint ply)
+  render --ply ply --threads 3
+  [ "$(fingerprint ply)" = "$before" ]
+}
+
+@test "pm-render: label video and depth pictures" {
+  render --labels videos/labels.mp4 --inventory inventory.json --depth depth
+  [ "$(stat -c %s videos/labels.mp4)" -gt 1000 ]
+  [ "$(ls depth | wc -l)" -eq 10 ]
+  # 16 bits, grey, per the PNG header; the record says what a level is.
+  [ "$(od -An -tu1 -j24 -N2 depth/depth_0000.png | tr -s ' ')" = " 16 0" ]
+  grep -q '"depth_unit": 0.000' videos/support-stiff.json
+  fails_with 3 render --labels videos/labels.mp4 --inventory "$root/tests/data/stages/inventory.json" -- "state.h5"
+}
+
+@test "pm-render compare: videos side by side with titles" {
+  render
+  render --out videos/short.mp4 --frames 0-4
+  "$bin/pm-render" compare videos/support-stiff.mp4 videos/short.mp4 --title "stiff" --title "cut short" --out compare.mp4
+  [ "$(stat -c %s compare.mp4)" -gt 1000 ]
+  before=$(fingerprint compare.mp4)
+  "$bin/pm-render" compare videos/support-stiff.mp4 videos/short.mp4 --title "stiff" --title "cut short" --out compare.mp4
+  [ "$(fingerprint compare.mp4)" = "$before" ]
+  fails_with 2 "$bin/pm-render" compare videos/short.mp4 --out compare.mp4 -- "2 to 64"
+  fails_with 2 "$bin/pm-render" compare videos/short.mp4 videos/short.mp4 --title one --out compare.mp4 -- "--title"
+  fails_with 2 "$bin/pm-render" compare videos/short.mp4 videos/short.mp4 -- "--out"
+  fails_with 3 "$bin/pm-render" compare videos/short.mp4 missing.mp4 --out compare.mp4 -- "missing.mp4"
+  fails_with 3 "$bin/pm-render" compare videos/short.mp4 state.h5 --out compare.mp4 -- "state.h5"
 }
 
 @test "pm-render: equal input gives the same video whatever the thread count, and keeps the timestamp" {
@@ -34,6 +85,13 @@ setup() { enter_tiny_run; }
   [ "$(ls png | wc -l)" -eq 3 ]
   grep -q '"frames_written": 3' videos/support-stiff.json
   grep -q '"--frames asks for 0,3-4"' videos/support-stiff.json
+}
+
+@test "pm-render: what stands still is not projected again, and the record says so" {
+  render --frames 3,3
+  grep -q '"projection of what stood still"' videos/support-stiff.json
+  count=$("$bin/pm-scene" info bundle/gaussians.ply | grep -oE '[0-9]+ Gaussians' | head -1 | cut -d' ' -f1)
+  grep -q "\"$count of $((2 * count)) Gaussians over all frames" videos/support-stiff.json
 }
 
 @test "pm-render: a diverged rollout has a record and no video, and an old video goes" {
