@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "records/labels.h"
 #include "scene/foreign_json.h"
+#include "scene/run_specification.h"
 
 namespace physmas {
 namespace {
@@ -265,11 +266,14 @@ class Configuration {
 
 }  // namespace
 
-PhysGaussianImport load_physgaussian(const std::string& path) {
-  const Json json = parse_json(read_file(path), path);
-  PhysGaussianImport import = Configuration(json, path).convert();
-  validate_record(import.run, "run", path);
+PhysGaussianImport physgaussian_from(const Json& json, const std::string& file) {
+  PhysGaussianImport import = Configuration(json, file).convert();
+  validate_record(import.run, "run", file);
   return import;
+}
+
+PhysGaussianImport load_physgaussian(const std::string& path) {
+  return physgaussian_from(parse_json(read_file(path), path), path);
 }
 
 Json material_hints(const PhysGaussianImport& import, const std::vector<std::string>& keys) {

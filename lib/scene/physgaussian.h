@@ -26,6 +26,8 @@ struct PhysGaussianImport {
 // about rotation_axis; ours keeps the scene's axes, so directions and boxes are turned back, which works for quarter
 // turns. Errors (exit code 3) name file and field.
 PhysGaussianImport load_physgaussian(const std::string& path);
+// The same for JSON that is already parsed; `file` is only named in messages.
+PhysGaussianImport physgaussian_from(const Json& json, const std::string& file);
 
 // The hints as a record of material observations (schemas/material_records.json): for every key, or, without keys, for
 // the whole object.
