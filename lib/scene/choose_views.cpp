@@ -32,7 +32,8 @@ std::vector<Candidate> candidates_for(const std::vector<CapturedView>& views, co
     if (!(pixel.x() >= 0 && pixel.x() <= camera.width && pixel.y() >= 0 && pixel.y() <= camera.height)) continue;
     const Eigen::Vector3d direction = (camera.center() - center).normalized();
     Candidate candidate = {i, {}};
-    for (int side = 0; side < 4; ++side) candidate.cosine[side] = direction.dot(sides[side]);
+    // Rounded, so that cameras that stand symmetrically tie.
+    for (int side = 0; side < 4; ++side) candidate.cosine[side] = std::round(1e9 * direction.dot(sides[side])) / 1e9;
     candidates.push_back(candidate);
   }
   return candidates;

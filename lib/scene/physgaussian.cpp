@@ -269,6 +269,7 @@ class Configuration {
 PhysGaussianImport physgaussian_from(const Json& json, const std::string& file) {
   PhysGaussianImport import = Configuration(json, file).convert();
   validate_record(import.run, "run", file);
+  run_specification_from(import.run, file, "");  // what a schema cannot check
   return import;
 }
 

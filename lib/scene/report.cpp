@@ -29,7 +29,7 @@ void print_histogram(const std::vector<float>& values, double low, double high) 
   for (int bin = 0; bin < kBins; ++bin) {
     const double from = low + (high - low) * bin / kBins, to = low + (high - low) * (bin + 1) / kBins;
     const size_t bar = (counts[bin] * kBarWidth + most - 1) / most;
-    fmt::print("    {:8.3g} to {:8.3g}  {:9}  {}\n", from, to, counts[bin], std::string(bar, '#'));
+    fmt::print("    {:8.3g} to {:8.3g}  {:9}{}{}\n", from, to, counts[bin], bar > 0 ? "  " : "", std::string(bar, '#'));
   }
 }
 
