@@ -224,7 +224,9 @@ FUZZ_CXX ?= $(or $(FUZZ_CLANG),$(CXX))
 FUZZ_ENGINE := $(if $(findstring clang,$(FUZZ_CXX)),libfuzzer,driver)
 FUZZ_FLAGS := -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined -w \
               $(if $(filter libfuzzer,$(FUZZ_ENGINE)),-fsanitize=fuzzer-no-link)
-FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp,$(wildcard lib/base/*.cpp lib/records/*.cpp lib/scene/*.cpp))
+# What the targets reach: all but the command line and the making of scenes.
+FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp $(patsubst %,lib/scene/%.cpp,color neighbors overrides pattern \
+                  placement report surface synth),$(wildcard lib/base/*.cpp lib/records/*.cpp lib/scene/*.cpp))
 FUZZ_OBJECTS := $(FUZZ_SOURCES:%.cpp=$(FUZZ_BUILD)/obj/%.o) $(FUZZ_BUILD)/obj/schemas.o
 
 $(FUZZ_BUILD)/obj/%.o: %.cpp | build/.packages
@@ -248,8 +250,8 @@ fuzz: $(FUZZ_TARGETS:%=$(FUZZ_BUILD)/%) ## Fuzz every reader for SECONDS=60 each
 	    -print_final_stats=1 found/$$t $(CURDIR)/tests/fuzz/corpus/$$t 2>&1 | tail -8, \
 	    ./$$t -max_total_time=$(SECONDS_EACH) $(CURDIR)/tests/fuzz/corpus/$$t) || exit; done
 
-fuzz-seeds: $(BUILD)/test/make_fuzz_seeds ## Write the seeds of tests/fuzz/corpus again
-	$(Q)$< tests/fuzz/corpus
+fuzz-seeds: $(BUILD)/test/make_fuzz_seeds all ## Write the seeds of tests/fuzz/corpus again
+	$(Q)$< tests/fuzz/corpus && tests/fuzz/record-seeds.sh $(BIN) tests/fuzz/corpus/records
 
 # The corpus, with this build's own flags (SAN=1 for the sanitizers), once.
 $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%): $(BUILD)/test/fuzz/%: $(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/fuzz/driver.o $(LIBRARY)

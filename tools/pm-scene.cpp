@@ -37,9 +37,11 @@ int main(int argc, char** argv) {
     import_command->add_option("--up", import.up, "Scene axis that points up; -y, or y for .spz, when absent")
         ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
     import_command
-        ->add_option("--opacity-threshold", import.selection.opacity_threshold, "Take Gaussians of a higher opacity only")
+        ->add_option("--opacity-threshold", import.selection.opacity_threshold,
+                     "Take Gaussians of a higher opacity only")
         ->check(CLI::Range(0.0, 1.0));
-    import_command->add_option("--crop", crop, "Take Gaussians inside x0 x1 y0 y1 z0 z1 only, scene units")->expected(6);
+    import_command->add_option("--crop", crop, "Take Gaussians inside x0 x1 y0 y1 z0 z1 only, scene units")
+        ->expected(6);
     CLI::Option* views = import_command->add_option("--views", import.views, "Folder with images of your own");
     import_command
         ->add_option("--cameras", import.cameras,

@@ -21,8 +21,8 @@ using ImageSize = std::function<std::pair<int, int>(const std::string& image)>;
 
 // The views of FILE in its order: `transforms.json` (nerfstudio, instant-ngp, Blender), `cameras.json` (Kerbl et al.
 // 2023), or a COLMAP model (its folder, or its cameras.txt, cameras.bin, images.txt or images.bin). Told apart by what
-// is in them. At least one view; every camera is a rigid pinhole. Errors (exit code 3) name the file, the field or line,
-// and, for lenses with distortion, how to undistort.
+// is in them. At least one view; every camera is a rigid pinhole. Errors (exit code 3) name the file, the field or
+// line, and, for lenses with distortion, how to undistort.
 std::vector<CapturedView> load_captured_views(const std::string& path, const ImageSize& image_size);
 
 // The same for JSON that is already parsed, and whether it is one of those two kinds.

@@ -51,7 +51,8 @@ std::array<ChosenView, 4> choose_views(const std::vector<CapturedView>& views,
   }
   const std::vector<Candidate> all = candidates_for(views, 0.5 * (low + high), up);
   if (all.size() < 4) {
-    throw invalid_input({file, "", fmt::format("{} of {} cameras that see the scene's centre", all.size(), views.size()),
+    throw invalid_input({file, "",
+                         fmt::format("{} of {} cameras that see the scene's centre", all.size(), views.size()),
                          "at least four", "the cameras must be in the same coordinates as the Gaussians"});
   }
   // Four different cameras need no more than the four best of each side.

@@ -11,8 +11,8 @@
 namespace physmas {
 
 struct ChosenView {
-  size_t index = 0;   // into the captured views
-  double angle = 0;   // degrees between where it stands, seen from the scene's centre, and its direction
+  size_t index = 0;  // into the captured views
+  double angle = 0;  // degrees between where it stands, seen from the scene's centre, and its direction
 };
 
 // The views that stand for front, right, back and left (kViewNames), four different ones. From the scene's centre, the

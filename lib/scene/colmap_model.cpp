@@ -12,7 +12,7 @@
 namespace physmas {
 namespace {
 
-constexpr int kMaxSize = 32768;       // pixels of an image's edge
+constexpr int kMaxSize = 32768;  // pixels of an image's edge
 constexpr size_t kMaxNameBytes = 4096;
 
 // COLMAP's camera models (colmap/sensor/models.h). Parameters start with the focal lengths and the principal point;
@@ -23,11 +23,16 @@ struct Model {
   bool perspective;
 };
 constexpr Model kModels[] = {
-    {"SIMPLE_PINHOLE", 0, 1, 3, true},          {"PINHOLE", 1, 2, 4, true},
-    {"SIMPLE_RADIAL", 2, 1, 4, true},           {"RADIAL", 3, 1, 5, true},
-    {"OPENCV", 4, 2, 8, true},                  {"OPENCV_FISHEYE", 5, 2, 8, false},
-    {"FULL_OPENCV", 6, 2, 12, true},            {"FOV", 7, 2, 5, false},
-    {"SIMPLE_RADIAL_FISHEYE", 8, 1, 4, false},  {"RADIAL_FISHEYE", 9, 1, 5, false},
+    {"SIMPLE_PINHOLE", 0, 1, 3, true},
+    {"PINHOLE", 1, 2, 4, true},
+    {"SIMPLE_RADIAL", 2, 1, 4, true},
+    {"RADIAL", 3, 1, 5, true},
+    {"OPENCV", 4, 2, 8, true},
+    {"OPENCV_FISHEYE", 5, 2, 8, false},
+    {"FULL_OPENCV", 6, 2, 12, true},
+    {"FOV", 7, 2, 5, false},
+    {"SIMPLE_RADIAL_FISHEYE", 8, 1, 4, false},
+    {"RADIAL_FISHEYE", 9, 1, 5, false},
     {"THIN_PRISM_FISHEYE", 10, 2, 12, false},
 };
 constexpr const char* kUndistort = "run colmap image_undistorter and import the images and the model that it writes";
@@ -124,8 +129,8 @@ class Binary {
   size_t left() const { return bytes_.size() - at_; }
   void need(size_t size) const {
     if (size <= left()) return;
-    throw invalid_input({path_, where(), fmt::format("{} bytes", left()), fmt::format("{} bytes", size),
-                         "the file may be cut off"});
+    throw invalid_input(
+        {path_, where(), fmt::format("{} bytes", left()), fmt::format("{} bytes", size), "the file may be cut off"});
   }
 
   const std::string& path_;
@@ -151,7 +156,8 @@ Lenses lenses_of_binary(const std::string& path, const std::string& bytes) {
     }
     std::vector<double> parameters;
     for (int k = 0; k < model->parameters; ++k) parameters.push_back(file.next<double>());
-    const Camera lens = lens_from(*model, static_cast<double>(width), static_cast<double>(height), parameters, path, where);
+    const Camera lens =
+        lens_from(*model, static_cast<double>(width), static_cast<double>(height), parameters, path, where);
     if (!lenses.emplace(id, lens).second) {
       throw invalid_input({path, where, fmt::format("camera {} twice", id), "every camera once"});
     }
@@ -216,14 +222,15 @@ Lenses lenses_of_text(const std::string& path, const std::string& bytes) {
       if (name == m.name) model = &m;
     }
     if (model == nullptr) {
-      throw invalid_input({path, where, "the camera model " + one_line(name, 60), "PINHOLE or SIMPLE_PINHOLE", kUndistort});
+      throw invalid_input(
+          {path, where, "the camera model " + one_line(name, 60), "PINHOLE or SIMPLE_PINHOLE", kUndistort});
     }
     std::vector<double> parameters(model->parameters);
     for (double& value : parameters) words >> value;
     std::string more;
     if (!words || words >> more) {
-      throw invalid_input({path, where, "another number of parameters",
-                           fmt::format("{} for {}", model->parameters, model->name)});
+      throw invalid_input(
+          {path, where, "another number of parameters", fmt::format("{} for {}", model->parameters, model->name)});
     }
     if (!lenses.emplace(id, lens_from(*model, width, height, parameters, path, where)).second) {
       throw invalid_input({path, where, fmt::format("camera {} twice", id), "every camera once"});
@@ -248,8 +255,8 @@ std::vector<CapturedView> views_of_text(const std::string& path, const std::stri
     for (double& value : pose) words >> value;
     std::string name;
     if (!(words >> camera >> std::ws) || !std::getline(words, name) || name.empty()) {
-      throw invalid_input({path, where, "\"" + one_line(lines[i].text, 60) + "\"",
-                           "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME"});
+      throw invalid_input(
+          {path, where, "\"" + one_line(lines[i].text, 60) + "\"", "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME"});
     }
     views.push_back(view_from(pose, pose + 4, camera, name, lenses, path, where));
   }

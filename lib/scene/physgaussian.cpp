@@ -18,7 +18,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kRadians = 3.14159265358979323846 / 180;
-constexpr double kForever = 100;  // seconds; PhysGaussian's "no end" is 1000
+constexpr double kForever = 100;            // seconds; PhysGaussian's "no end" is 1000
 const Vector3d kCenter = Vector3d::Ones();  // where PhysGaussian puts the middle of the scene
 
 // The axis name of a vector along an axis; empty for others.
@@ -72,10 +72,11 @@ class Configuration {
 
   // Scene to solver axes, and which scene axis is up.
   void read_axes() {
-    const std::vector<double> degrees = take("rotation_degree") ? config_.numbers("rotation_degree")
-                                                                : std::vector<double>();
+    const std::vector<double> degrees =
+        take("rotation_degree") ? config_.numbers("rotation_degree") : std::vector<double>();
     const std::vector<double> axes = take("rotation_axis") ? config_.numbers("rotation_axis") : std::vector<double>();
-    if (degrees.size() != axes.size()) throw config_.error("rotation_axis", "as many axes as rotation_degree has angles");
+    if (degrees.size() != axes.size())
+      throw config_.error("rotation_axis", "as many axes as rotation_degree has angles");
     Matrix3d turned = Matrix3d::Identity();
     for (size_t i = 0; i < degrees.size(); ++i) {
       if (axes[i] != 0 && axes[i] != 1 && axes[i] != 2) throw config_.error("rotation_axis", "axes 0, 1 or 2");
@@ -83,8 +84,10 @@ class Configuration {
     }
     const Matrix3d rounded = turned.array().round();
     quarter_turns_ = (turned - rounded).cwiseAbs().maxCoeff() < 1e-9;
-    if (quarter_turns_) turned_ = rounded;
-    else omit("/rotation_degree", "only quarter turns can be undone; rotate the Gaussians before importing them");
+    if (quarter_turns_)
+      turned_ = rounded;
+    else
+      omit("/rotation_degree", "only quarter turns can be undone; rotate the Gaussians before importing them");
     const Vector3d up = take("mpm_space_vertical_upward_axis") ? config_.vector("mpm_space_vertical_upward_axis")
                                                                : Vector3d(Vector3d::UnitZ());
     result_.up = axis_name(direction(up));
@@ -98,18 +101,18 @@ class Configuration {
     const double cells = number("n_grid", 50), length = positive("grid_lim", 2);
     if (!(cells >= 16 && cells <= 512) || cells != std::floor(cells)) throw config_.error("n_grid", "16 to 512 cells");
     result_.run["grid"] = {{"n", static_cast<int>(cells)}, {"length", length}};
-    result_.run["placement"] = {
-        {"extent", positive("scale", 1)}, {"center", to_json(kCenter)}, {"up", result_.up}};
+    result_.run["placement"] = {{"extent", positive("scale", 1)}, {"center", to_json(kCenter)}, {"up", result_.up}};
     const double dt = positive("substep_dt", 1e-4), frame_dt = positive("frame_dt", 1e-2);
     const double frames = number("frame_num", 100);
     if (!(frames >= 1 && frames < 10000)) throw config_.error("frame_num", "1 to 9999 frames");
     const double least = std::min(5e-5, dt);
     // PhysGaussian's frames do not count the rest frame.
-    result_.run["time"] = {{"frames", static_cast<int>(frames) + 1},
-                           {"frame_dt", frame_dt},
-                           {"substep_dt", dt},
-                           {"min_substep_dt", least},
-                           {"max_substeps", std::max(800, static_cast<int>(std::ceil(std::min(frame_dt / least, 1e6))))}};
+    result_.run["time"] = {
+        {"frames", static_cast<int>(frames) + 1},
+        {"frame_dt", frame_dt},
+        {"substep_dt", dt},
+        {"min_substep_dt", least},
+        {"max_substeps", std::max(800, static_cast<int>(std::ceil(std::min(frame_dt / least, 1e6))))}};
   }
 
   void read_material() {
@@ -234,15 +237,26 @@ class Configuration {
     Eigen::AlignedBox3d box;
     box.extend(point(middle - half));
     box.extend(point(middle + half));
-    return {{"type", "box"}, {"min", to_json(Vector3d(box.min()))}, {"max", to_json(Vector3d(box.max()))}, {"mode", "sticky"}};
+    return {{"type", "box"},
+            {"min", to_json(Vector3d(box.min()))},
+            {"max", to_json(Vector3d(box.max()))},
+            {"mode", "sticky"}};
   }
 
   void name_the_rest() {
-    static const std::set<std::string> kCameras = {"mpm_space_viewpoint_center", "default_camera_index", "show_hint",
-                                                   "init_azimuthm", "init_elevation", "init_radius", "move_camera",
-                                                   "delta_a", "delta_e", "delta_r"};
-    static const std::set<std::string> kSolver = {"grid_v_damping_scale", "rpic_damping", "pic_damping", "hardening",
-                                                  "xi", "softening", "yield_stress", "plastic_viscosity"};
+    static const std::set<std::string> kCameras = {"mpm_space_viewpoint_center",
+                                                   "default_camera_index",
+                                                   "show_hint",
+                                                   "init_azimuthm",
+                                                   "init_elevation",
+                                                   "init_radius",
+                                                   "move_camera",
+                                                   "delta_a",
+                                                   "delta_e",
+                                                   "delta_r"};
+    static const std::set<std::string> kSolver = {
+        "grid_v_damping_scale", "rpic_damping",     "pic_damping", "hardening", "xi", "softening",
+        "yield_stress",         "plastic_viscosity"};
     for (const auto& [key, value] : config_.json().items()) {
       if (taken_.count(key)) continue;
       if (kCameras.count(key)) {

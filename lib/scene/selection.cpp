@@ -50,8 +50,10 @@ size_t select_gaussians(Gaussians& g, const Selection& selection, const std::str
     ++kept;
   }
   if (kept == 0) {
-    throw invalid_input({file, "", fmt::format("none of {} Gaussians above the opacity threshold and inside the crop "
-                                               "box", before),
+    throw invalid_input({file, "",
+                         fmt::format("none of {} Gaussians above the opacity threshold and inside the crop "
+                                     "box",
+                                     before),
                          "at least one", "pm-scene info shows the bounds and the opacities"});
   }
   g.resize(kept, g.sh_degree);
@@ -74,9 +76,10 @@ Floaters find_floaters(const Gaussians& gaussians) {
 std::string floater_warning(const Floaters& floaters) {
   if (!(floaters.ratio > kWorthAWarning)) return "";
   const Eigen::Vector3d &low = floaters.box.min(), &high = floaters.box.max();
-  return fmt::format("{} floaters make the scene's box {:.3g} times as long: the object gets so much smaller in the "
-                     "solver; --crop {:.4g} {:.4g} {:.4g} {:.4g} {:.4g} {:.4g} removes them",
-                     floaters.count, floaters.ratio, low.x(), high.x(), low.y(), high.y(), low.z(), high.z());
+  return fmt::format(
+      "{} floaters make the scene's box {:.3g} times as long: the object gets so much smaller in the "
+      "solver; --crop {:.4g} {:.4g} {:.4g} {:.4g} {:.4g} {:.4g} removes them",
+      floaters.count, floaters.ratio, low.x(), high.x(), low.y(), high.y(), low.z(), high.z());
 }
 
 }  // namespace physmas

@@ -11,7 +11,7 @@
 namespace physmas {
 
 struct Selection {
-  double opacity_threshold = 0;          // Gaussians of a higher opacity stay; 0 keeps all
+  double opacity_threshold = 0;             // Gaussians of a higher opacity stay; 0 keeps all
   std::optional<Eigen::AlignedBox3d> crop;  // means strictly inside stay, scene units
 };
 

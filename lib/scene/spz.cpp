@@ -91,8 +91,8 @@ std::array<float, 4> unpack_first_three(const unsigned char* p) {
     q[k] = p[k] / 127.5 - 1;
     squared += q[k] * q[k];
   }
-  return {static_cast<float>(std::sqrt(std::max(0.0, 1 - squared))), static_cast<float>(q[0]),
-          static_cast<float>(q[1]), static_cast<float>(q[2])};
+  return {static_cast<float>(std::sqrt(std::max(0.0, 1 - squared))), static_cast<float>(q[0]), static_cast<float>(q[1]),
+          static_cast<float>(q[2])};
 }
 
 // Three bytes, two's complement.
@@ -136,9 +136,9 @@ Gaussians read_spz(const std::string& path, const std::string& bytes) {
   const size_t rotation_bytes = version == 2 ? 3 : 4;
   const size_t each = 9 + 1 + 3 + 3 + rotation_bytes + 3 * rest, size = count * each;
   if (size > bytes.size() * kMaxRatio) {
-    throw refuse("numPoints", std::to_string(count),
-                 fmt::format("at most the {} that {} compressed bytes can hold", bytes.size() * kMaxRatio / each,
-                             bytes.size()));
+    throw refuse(
+        "numPoints", std::to_string(count),
+        fmt::format("at most the {} that {} compressed bytes can hold", bytes.size() * kMaxRatio / each, bytes.size()));
   }
   std::vector<unsigned char> body(size);
   const size_t filled = stream.read(body.data(), size);

@@ -219,8 +219,8 @@ void record_selection(const Selection& selection, size_t removed, Provenance& pr
   }
   if (selection.crop) {
     const Eigen::Vector3d &low = selection.crop->min(), &high = selection.crop->max();
-    provenance.options.emplace_back("crop", fmt::format("{} {} {} {} {} {}", low.x(), high.x(), low.y(), high.y(),
-                                                        low.z(), high.z()));
+    provenance.options.emplace_back(
+        "crop", fmt::format("{} {} {} {} {} {}", low.x(), high.x(), low.y(), high.y(), low.z(), high.z()));
   }
   if (removed > 0) provenance.options.emplace_back("gaussians_removed", std::to_string(removed));
 }

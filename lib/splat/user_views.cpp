@@ -67,7 +67,8 @@ std::string find_image(const std::string& folder, const std::string& name, const
 }
 
 Camera scaled_to(Camera camera, const Image& image, const std::string& file) {
-  const double x = static_cast<double>(image.width) / camera.width, y = static_cast<double>(image.height) / camera.height;
+  const double x = static_cast<double>(image.width) / camera.width,
+               y = static_cast<double>(image.height) / camera.height;
   // Programs that shrink images round both sides.
   if (std::abs(image.height - camera.height * x) > 1 && std::abs(image.width - camera.width * y) > 1) {
     throw invalid_input({file, "", fmt::format("an image of {} x {} pixels", image.width, image.height),
@@ -104,8 +105,8 @@ UserViews read_user_views(const std::string& cameras, const std::string& folder,
     view.name = kViewNames[side];
     view.camera = scaled_to(from.camera, load_image(source), source);
     view.image = bundle + "/views/" + view.name + fs::path(source).extension().string();
-    user.chosen.emplace_back(view.name, fmt::format("{}, {:.1f} degrees off", one_line(from.image, 200),
-                                                    chosen[side].angle));
+    user.chosen.emplace_back(view.name,
+                             fmt::format("{}, {:.1f} degrees off", one_line(from.image, 200), chosen[side].angle));
     if (chosen[side].angle > kFarOff) {
       log_warning(fmt::format("{}: no camera near the {} view; the nearest free one is {}", cameras, view.name,
                               user.chosen.back().second));

@@ -54,9 +54,25 @@ class Mutator {
   static constexpr size_t kMaxBytes = 1 << 16;
 
   void mutate(std::string& s, const std::string& other) {
-    static const std::vector<std::string> kTokens = {
-        "0", "-1", "1e308", "1e-320", "nan", "inf", "18446744073709551615", "4294967296", "null", "{}", "[]", "\"\"",
-        "true", std::string(4, '\xff'), std::string(8, '\0'), std::string("\0\0\x80\x7f", 4), "\n", " ", "2147483648"};
+    static const std::vector<std::string> kTokens = {"0",
+                                                     "-1",
+                                                     "1e308",
+                                                     "1e-320",
+                                                     "nan",
+                                                     "inf",
+                                                     "18446744073709551615",
+                                                     "4294967296",
+                                                     "null",
+                                                     "{}",
+                                                     "[]",
+                                                     "\"\"",
+                                                     "true",
+                                                     std::string(4, '\xff'),
+                                                     std::string(8, '\0'),
+                                                     std::string("\0\0\x80\x7f", 4),
+                                                     "\n",
+                                                     " ",
+                                                     "2147483648"};
     const size_t at = below(s.size() + 1);
     switch (below(8)) {
       case 0:

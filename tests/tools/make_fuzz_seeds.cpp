@@ -25,7 +25,8 @@ std::string ply_text(int degree) {
   const auto declare = [&](const std::string& name) { text += "property float " + name + "\n", ++columns; };
   for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2"}) declare(name);
   for (int k = 0; k < rest; ++k) declare(fmt::format("f_rest_{}", k));
-  for (const char* name : {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) declare(name);
+  for (const char* name : {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
+    declare(name);
   text += "end_header\n";
   for (int row = 0; row < 2; ++row) {
     for (int k = 0; k < columns; ++k) text += fmt::format("{} ", 0.5 + row - 0.01 * k);
@@ -35,7 +36,8 @@ std::string ply_text(int degree) {
 }
 
 std::string ply_big_endian_with_list() {
-  std::string bytes = "ply\nformat binary_big_endian 1.0\nelement face 1\nproperty list uchar short v\nelement vertex 1\n";
+  std::string bytes =
+      "ply\nformat binary_big_endian 1.0\nelement face 1\nproperty list uchar short v\nelement vertex 1\n";
   for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
                            "rot_0", "rot_1", "rot_2", "rot_3"}) {
     bytes += std::string("property float ") + name + "\n";
@@ -54,7 +56,8 @@ std::string compressed_ply() {
     }
   }
   bytes += "element vertex 2\n";
-  for (const char* name : {"position", "rotation", "scale", "color"}) bytes += fmt::format("property uint packed_{}\n", name);
+  for (const char* name : {"position", "rotation", "scale", "color"})
+    bytes += fmt::format("property uint packed_{}\n", name);
   bytes += "element sh 2\n";
   for (int k = 0; k < 9; ++k) bytes += fmt::format("property uchar f_rest_{}\n", k);
   bytes += "end_header\n";
@@ -122,12 +125,18 @@ int main(int argc, char** argv) {
     }
   }
 
-  Json transforms = {{"w", 64}, {"h", 48}, {"fl_x", 60}, {"k1", 0}, {"frames", Json::array()}}, splatting = Json::array();
+  Json transforms = {{"w", 64}, {"h", 48}, {"fl_x", 60}, {"k1", 0}, {"frames", Json::array()}},
+       splatting = Json::array();
   Json blender = {{"camera_angle_x", 0.7}, {"frames", Json::array()}};
   for (int i = 0; i < 4; ++i) {
     transforms["frames"].push_back({{"file_path", fmt::format("{}.png", i)}, {"transform_matrix", pose(1.57 * i)}});
-    splatting.push_back({{"img_name", "a"}, {"width", 64}, {"height", 48}, {"fx", 60}, {"fy", 60},
-                         {"position", {0, 0, -5 - i}}, {"rotation", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}});
+    splatting.push_back({{"img_name", "a"},
+                         {"width", 64},
+                         {"height", 48},
+                         {"fx", 60},
+                         {"fy", 60},
+                         {"position", {0, 0, -5 - i}},
+                         {"rotation", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}});
   }
   blender["frames"] = transforms["frames"];
   blender["applied_transform"] = {{0, 1, 0, 0}, {1, 0, 0, 0}, {0, 0, -1, 0}};
@@ -138,9 +147,15 @@ int main(int argc, char** argv) {
   seed("colmap/binary", colmap_binary());
 
   Json run = to_json(RunSpecification());
-  Json view = {{"name", "a"}, {"image", "a.png"}, {"camera", to_json(look_at({0, -5, 0}, {0, 0, 0}, {0, 0, 1}, 1, 64, 48))}};
-  Json scene = {{"schema", "physmas/scene/1"}, {"name", "s"}, {"prompt", "it falls"}, {"gaussians", "g.ply"},
-                {"views", Json::array()}, {"output_cameras", {view["camera"]}}, {"run", run}};
+  Json view = {
+      {"name", "a"}, {"image", "a.png"}, {"camera", to_json(look_at({0, -5, 0}, {0, 0, 0}, {0, 0, 1}, 1, 64, 48))}};
+  Json scene = {{"schema", "physmas/scene/1"},
+                {"name", "s"},
+                {"prompt", "it falls"},
+                {"gaussians", "g.ply"},
+                {"views", Json::array()},
+                {"output_cameras", {view["camera"]}},
+                {"run", run}};
   for (const char* name : {"a", "b", "c", "d"}) view["name"] = name, scene["views"].push_back(view);
   seed("records/scene", scene.dump());
   run["schema"] = "physmas/run/1";
@@ -148,15 +163,17 @@ int main(int argc, char** argv) {
                       {{"type", "box"}, {"min", {0, 0, 0}}, {"max", {1, 1, 1}}},
                       {{"type", "sphere"}, {"center", {0, 0, 0}}, {"radius", 1}}};
   seed("records/run", run.dump());
-  seed("records/inventory",
-       R"({"schema":"physmas/inventory/1","objects":[{"id":"a","name":"a","scene_role":"subject"}],"rows":[{"object":"a",)"
-       R"("part":"b","name":"b","structural_role":"body","physics_group":"g","expected_labels":["Wood"]}]})");
+  seed(
+      "records/inventory",
+      R"({"schema":"physmas/inventory/1","objects":[{"id":"a","name":"a","scene_role":"subject"}],"rows":[{"object":"a",)"
+      R"("part":"b","name":"b","structural_role":"body","physics_group":"g","expected_labels":["Wood"]}]})");
 
   seed("physgaussian/defaults", "{}");
-  seed("physgaussian/whole",
-       R"({"rotation_degree":[90,180],"rotation_axis":[0,2],"material":"foam","E":2e6,"nu":0.3,"density":200,"n_grid":50,)"
-       R"("g":[0,0,-9.8],"sim_area":[-1,1,-1,1,-1,1],"particle_filling":{"max_particles_num":10,"boundary":null},)"
-       R"("boundary_conditions":[{"type":"cuboid","point":[1,1,1],"size":[1,1,1],"velocity":[0,0,0]},)"
-       R"({"type":"surface_collider","point":[1,1,1],"normal":[0,0,1],"surface":"slip","friction":0.1}],"scale":1.0})");
+  seed(
+      "physgaussian/whole",
+      R"({"rotation_degree":[90,180],"rotation_axis":[0,2],"material":"foam","E":2e6,"nu":0.3,"density":200,"n_grid":50,)"
+      R"("g":[0,0,-9.8],"sim_area":[-1,1,-1,1,-1,1],"particle_filling":{"max_particles_num":10,"boundary":null},)"
+      R"("boundary_conditions":[{"type":"cuboid","point":[1,1,1],"size":[1,1,1],"velocity":[0,0,0]},)"
+      R"({"type":"surface_collider","point":[1,1,1],"normal":[0,0,1],"surface":"slip","friction":0.1}],"scale":1.0})");
   return 0;
 }

@@ -80,7 +80,8 @@ ColmapFiles colmap_text(const std::string& camera) {
   ColmapFiles files = {"cameras.txt", "images.txt", "# Camera list\n" + camera + "\n", "# Image list\n#\n", false};
   files.images += fmt::format("1 {} {} {} {} {} {} {} 7 dir/a picture.jpg\n1.5 2.5 -1 3 4 12\n", p.q[0], p.q[1], p.q[2],
                               p.q[3], p.t[0], p.t[1], p.t[2]);
-  files.images += fmt::format("2 {} {} {} {} {} {} {} 7 b.jpg\n\n", p.q[0], p.q[1], p.q[2], p.q[3], p.t[0], p.t[1], p.t[2]);
+  files.images +=
+      fmt::format("2 {} {} {} {} {} {} {} 7 b.jpg\n\n", p.q[0], p.q[1], p.q[2], p.q[3], p.t[0], p.t[1], p.t[2]);
   return files;
 }
 
@@ -111,19 +112,36 @@ ColmapFiles colmap_binary() {
 
 TEST_CASE("cameras: transforms.json with focal lengths, and with angles of view") {
   const Json pose = opengl_pose(known_camera());
-  check_projects(views_of({{"w", 200}, {"h", 100.0}, {"fl_x", 150}, {"fl_y", 140}, {"k1", 0}, {"camera_model", "OPENCV"},
+  check_projects(views_of({{"w", 200},
+                           {"h", 100.0},
+                           {"fl_x", 150},
+                           {"fl_y", 140},
+                           {"k1", 0},
+                           {"camera_model", "OPENCV"},
                            {"frames", {{{"file_path", "images/a.png"}, {"transform_matrix", pose}}}}})
                      .at(0),
                  "images/a.png");
   // Blender's files know neither size nor focal length; the size is the image's.
-  check_projects(views_of({{"camera_angle_x", 2 * std::atan(100.0 / 150)}, {"camera_angle_y", 2 * std::atan(50.0 / 140)},
+  check_projects(views_of({{"camera_angle_x", 2 * std::atan(100.0 / 150)},
+                           {"camera_angle_y", 2 * std::atan(50.0 / 140)},
                            {"frames", {{{"file_path", "./train/r_0"}, {"transform_matrix", pose}}}}})
                      .at(0),
                  "./train/r_0");
   // A frame's own lens wins.
-  check_projects(views_of({{"w", 9}, {"h", 9}, {"fl_x", 1}, {"cx", 3}, {"cy", 3},
-                           {"frames", {{{"file_path", "a"}, {"transform_matrix", pose}, {"w", 200}, {"h", 100},
-                                        {"fl_x", 150}, {"fl_y", 140}, {"cx", 100}, {"cy", 50}}}}})
+  check_projects(views_of({{"w", 9},
+                           {"h", 9},
+                           {"fl_x", 1},
+                           {"cx", 3},
+                           {"cy", 3},
+                           {"frames",
+                            {{{"file_path", "a"},
+                              {"transform_matrix", pose},
+                              {"w", 200},
+                              {"h", 100},
+                              {"fl_x", 150},
+                              {"fl_y", 140},
+                              {"cx", 100},
+                              {"cy", 50}}}}})
                      .at(0),
                  "a");
 }
@@ -139,7 +157,9 @@ TEST_CASE("cameras: transforms.json undoes its applied transform") {
 }
 
 TEST_CASE("cameras: transforms.json that is no pinhole, or broken, is refused") {
-  const Json good = {{"w", 200}, {"h", 100}, {"fl_x", 150},
+  const Json good = {{"w", 200},
+                     {"h", 100},
+                     {"fl_x", 150},
                      {"frames", {{{"file_path", "a"}, {"transform_matrix", opengl_pose(known_camera())}}}}};
   const auto with = [&](const char* pointer, const Json& value) {
     Json changed = good;
@@ -166,8 +186,14 @@ TEST_CASE("cameras: 3DGS cameras.json") {
   const Vector3d p = camera.center();
   Json rotation = Json::array();
   for (int r = 0; r < 3; ++r) rotation.push_back({R(r, 0), R(r, 1), R(r, 2)});
-  Json entry = {{"id", 0}, {"img_name", "00001"}, {"width", 200}, {"height", 100},
-                {"position", {p.x(), p.y(), p.z()}}, {"rotation", rotation}, {"fy", 140}, {"fx", 150}};
+  Json entry = {{"id", 0},
+                {"img_name", "00001"},
+                {"width", 200},
+                {"height", 100},
+                {"position", {p.x(), p.y(), p.z()}},
+                {"rotation", rotation},
+                {"fy", 140},
+                {"fx", 150}};
   check_projects(views_of(Json::array({entry})).at(0), "00001");
   entry["position"] = {1, 2};
   CHECK(contains(error_of(Json::array({entry})), "/0/position"));
@@ -224,7 +250,8 @@ TEST_CASE("cameras: four views of many are those nearest to front, right, back a
   std::vector<CapturedView> views;
   for (int degrees = 0; degrees < 360; degrees += 20) {
     const double a = degrees * std::acos(-1) / 180;
-    views.push_back({std::to_string(degrees), look_at({5 * std::sin(a), -5 * std::cos(a), 1}, {0, 0, 0}, {0, 0, 1}, 1, 64, 64)});
+    views.push_back(
+        {std::to_string(degrees), look_at({5 * std::sin(a), -5 * std::cos(a), 1}, {0, 0, 0}, {0, 0, 1}, 1, 64, 64)});
   }
   // Right in front, but looking away.
   views.insert(views.begin(), {"away", look_at({0, -5, 0}, {0, -9, 0}, {0, 0, 1}, 1, 64, 64)});

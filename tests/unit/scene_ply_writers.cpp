@@ -18,7 +18,8 @@ struct Writer {
   int degree;
 };
 
-std::vector<std::string> list(std::initializer_list<const char*> first, int rest, std::initializer_list<const char*> last) {
+std::vector<std::string> list(std::initializer_list<const char*> first, int rest,
+                              std::initializer_list<const char*> last) {
   std::vector<std::string> columns(first.begin(), first.end());
   for (int k = 0; k < rest; ++k) columns.push_back(fmt::format("f_rest_{}", k));
   columns.insert(columns.end(), last.begin(), last.end());
@@ -56,8 +57,9 @@ std::vector<Writer> writers() {
        0},
       // With properties that nobody else knows.
       {"extra", "obj_info num_cols 4\n",
-       list({"x", "y", "z", "red", "green", "blue", "f_dc_0", "f_dc_1", "f_dc_2"}, 0,
-            {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "filter_3D", "semantic_0"}),
+       list(
+           {"x", "y", "z", "red", "green", "blue", "f_dc_0", "f_dc_1", "f_dc_2"}, 0,
+           {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "filter_3D", "semantic_0"}),
        0},
   };
 }
