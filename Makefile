@@ -217,11 +217,11 @@ test-cli: all $(TEST_TOOLS) ## The command-line tests
 # tests/fuzz/driver.cpp does, which mutates without looking at coverage. Both with the sanitizers. `make test` replays
 # the corpus.
 FUZZ_TARGETS := $(filter-out driver,$(patsubst tests/fuzz/%.cpp,%,$(wildcard tests/fuzz/*.cpp)))
-FUZZ_BUILD := build/fuzz
 SECONDS_EACH = $(or $(SECONDS),60)
 FUZZ_CLANG := $(shell command -v clang++ 2>/dev/null)
 FUZZ_CXX ?= $(or $(FUZZ_CLANG),$(CXX))
 FUZZ_ENGINE := $(if $(findstring clang,$(FUZZ_CXX)),libfuzzer,driver)
+FUZZ_BUILD := build/fuzz/$(FUZZ_ENGINE)
 FUZZ_FLAGS := -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined -w \
               $(if $(filter libfuzzer,$(FUZZ_ENGINE)),-fsanitize=fuzzer-no-link)
 # What the targets reach: all but the command line and the making of scenes.
