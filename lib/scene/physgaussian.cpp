@@ -300,7 +300,7 @@ Json material_hints(const PhysGaussianImport& import, const std::vector<std::str
                      {"evidence", {{kLabels[import.label].name, 1}}}};
   Json record = {{"rows", Json::array()}};
   for (const std::string& key : keys) record["rows"].push_back({{"key", key}, {"crops", Json::array({crop})}});
-  if (keys.empty()) record["whole_object"] = {{"label", kLabels[import.label].name}, {"crops", Json::array({crop})}};
+  record["whole_object"] = {{"label", kLabels[import.label].name}, {"crops", Json::array({crop})}};
   return record;
 }
 

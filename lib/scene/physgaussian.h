@@ -29,8 +29,8 @@ PhysGaussianImport load_physgaussian(const std::string& path);
 // The same for JSON that is already parsed; `file` is only named in messages.
 PhysGaussianImport physgaussian_from(const Json& json, const std::string& file);
 
-// The hints as a record of material observations (schemas/material_records.json): for every key, or, without keys, for
-// the whole object.
+// The hints as a record of material observations (schemas/material_records.json): for every key and for the
+// whole object.
 Json material_hints(const PhysGaussianImport& import, const std::vector<std::string>& keys);
 
 }  // namespace physmas

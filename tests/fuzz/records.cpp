@@ -54,7 +54,10 @@ const std::map<std::string, std::function<void(const std::string& path)>>& loade
       {"inventory", [](const std::string& path) { load_inventory(path); }},
       {"plan", [](const std::string& path) { load_plan(path, inventory); }},
       {"material_records", [](const std::string& path) { load_material_records(path, inventory); }},
-      {"evidence", [](const std::string& path) { load_evidence(path, {"lollipop/stick", "lollipop/candy", "lollipop/residual"}); }},
+      {"evidence",
+       [](const std::string& path) {
+         load_evidence(path, {"lollipop/stick", "lollipop/candy", "lollipop/residual"});
+       }},
       {"candidate", [](const std::string& path) { load_candidate(path); }},
       {"round", [](const std::string& path) { load_round(path); }},
       {"execution", [](const std::string& path) { load_execution(path); }},
