@@ -23,15 +23,23 @@ bool is_splatting_list(const Json& document) {
          document[0].contains("position");
 }
 
-ColmapFiles read_colmap(const std::string& folder) {
+// The folder of the COLMAP model that `path` means; empty when it means something else.
+std::string colmap_folder(const std::string& path) {
+  std::error_code failure;
+  if (fs::is_directory(path, failure)) return path;
+  const std::string name = fs::path(path).filename().string();
+  const bool part = name == "cameras.txt" || name == "cameras.bin" || name == "images.txt" || name == "images.bin";
+  return part ? folder_of(path) : "";
+}
+
+// With the paths only.
+ColmapFiles find_colmap(const std::string& folder) {
   for (const char* ending : {".bin", ".txt"}) {
     ColmapFiles files;
     files.cameras_path = folder + "/cameras" + ending;
     files.images_path = folder + "/images" + ending;
     std::error_code failure;
     if (!fs::is_regular_file(files.cameras_path, failure) || !fs::is_regular_file(files.images_path, failure)) continue;
-    files.cameras = read_file(files.cameras_path, kMaxModelBytes);
-    files.images = read_file(files.images_path, kMaxModelBytes);
     files.binary = std::string(ending) == ".bin";
     return files;
   }
@@ -90,14 +98,20 @@ std::vector<CapturedView> captured_views_from(const Json& document, const std::s
                        "a list of {name, image, camera}, a transforms.json with frames, or a 3DGS cameras.json"});
 }
 
+std::vector<std::string> captured_view_files(const std::string& path) {
+  const std::string folder = colmap_folder(path);
+  if (folder.empty()) return {path};
+  const ColmapFiles files = find_colmap(folder);
+  return {files.cameras_path, files.images_path};
+}
+
 std::vector<CapturedView> load_captured_views(const std::string& path, const ImageSize& image_size) {
-  std::error_code failure;
-  if (fs::is_directory(path, failure)) return views_from_colmap(read_colmap(path));
-  const std::string name = fs::path(path).filename().string();
-  if (name == "cameras.txt" || name == "cameras.bin" || name == "images.txt" || name == "images.bin") {
-    return views_from_colmap(read_colmap(folder_of(path)));
-  }
-  return captured_views_from(parse_json(read_file(path), path), path, image_size);
+  const std::string folder = colmap_folder(path);
+  if (folder.empty()) return captured_views_from(parse_json(read_file(path), path), path, image_size);
+  ColmapFiles files = find_colmap(folder);
+  files.cameras = read_file(files.cameras_path, kMaxModelBytes);
+  files.images = read_file(files.images_path, kMaxModelBytes);
+  return views_from_colmap(files);
 }
 
 }  // namespace physmas

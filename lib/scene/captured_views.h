@@ -25,7 +25,10 @@ using ImageSize = std::function<std::pair<int, int>(const std::string& image)>;
 // line, and, for lenses with distortion, how to undistort.
 std::vector<CapturedView> load_captured_views(const std::string& path, const ImageSize& image_size);
 
-// The same for JSON that is already parsed, and whether it is one of those two kinds.
+// The files that load_captured_views reads for `path`: itself, or the two of a COLMAP model.
+std::vector<std::string> captured_view_files(const std::string& path);
+
+// The same as load_captured_views for JSON that is already parsed, and whether it is one of those two kinds.
 bool is_captured_json(const Json& document);
 std::vector<CapturedView> captured_views_from(const Json& document, const std::string& file,
                                               const ImageSize& image_size);

@@ -15,6 +15,7 @@
 #include "base/log.h"
 #include "records/inventory.h"
 #include "records/labels.h"
+#include "scene/captured_views.h"
 #include "scene/gaussian_files.h"
 #include "scene/neighbors.h"
 #include "scene/physgaussian.h"
@@ -283,7 +284,9 @@ void write_import_bundle(const ImportOptions& given) {
   provenance.add_input(options.gaussians);
   if (!options.physgaussian.empty()) provenance.add_input(options.physgaussian);
   if (!options.run.empty()) provenance.add_input(options.run);
-  if (!options.cameras.empty() && !fs::is_directory(options.cameras)) provenance.add_input(options.cameras);
+  if (!options.cameras.empty()) {
+    for (const std::string& file : captured_view_files(options.cameras)) provenance.add_input(file);
+  }
   std::vector<std::string> row_keys;
   if (!options.inventory.empty()) {
     for (const InventoryRow& row : load_inventory(options.inventory).rows) row_keys.push_back(row.key());

@@ -85,6 +85,7 @@ PY
   foreign colmap
   import --views "$TINY/views" --cameras "$BATS_TEST_TMPDIR/sparse/0"
   same_views
+  grep -q 'sparse/0/images.txt"' "$OUT/scene.json"
   import --views "$TINY/views" --cameras "$BATS_TEST_TMPDIR/sparse/0/images.txt"
   same_views
 }
