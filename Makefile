@@ -37,7 +37,7 @@ CXXFLAGS := -std=c++17 -march=$(ARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fn
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
           -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
-          -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lfmt
+          -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lz -lfmt
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp)
 TOOL_SOURCES := $(wildcard tools/*.cpp)
@@ -126,7 +126,7 @@ PACKAGES := g++ make libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgp
             libopencv-imgcodecs-dev libavcodec-dev \
             libavformat-dev libavutil-dev libswscale-dev nlohmann-json3-dev libvalijson-dev \
             libssl-dev libcurl4-openssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats python3 \
-            gnuplot-nox
+            gnuplot-nox zlib1g-dev
 
 # What dpkg does not report as installed. Empty where there is no dpkg: the compiler will tell.
 find_missing = if command -v dpkg-query >/dev/null; then for p in $(PACKAGES); do \
@@ -200,7 +200,7 @@ batch: batch-finished ## Run many scenes and write one table: SCENES="cake my/sc
 # --- Tests --------------------------------------------------------------------------------------------------------
 
 .PHONY: test test-unit test-cli
-test: test-unit test-cli ## Run every test (SAN=1 for sanitizers)
+test: test-unit test-fuzz test-cli ## Run every test (SAN=1 for sanitizers)
 
 test-unit: $(BUILD)/test/unit ## The C++ tests
 	@$(BUILD)/test/unit
@@ -210,6 +210,57 @@ test-cli: all $(TEST_TOOLS) ## The command-line tests
 	@log=$$(mktemp); PM_BIN=$(abspath $(BIN)) PM_SAN=$(SAN) bats --tap $(sort $(wildcard tests/cli/*.bats)) | tee $$log; \
 	status=$${PIPESTATUS[0]}; passed=$$(grep -c '^ok' $$log); skipped=$$(grep -c '^ok.* # skip' $$log); failed=$$(grep -c '^not ok' $$log); \
 	rm -f $$log; echo "$$((passed - skipped)) passed, $$failed failed, $$skipped skipped"; exit $$status
+
+# --- Fuzzing ------------------------------------------------------------------------------------------------------
+
+# Every reader of foreign or authored files has a target in tests/fuzz. With clang++ libFuzzer drives them; without it
+# tests/fuzz/driver.cpp does, which mutates without looking at coverage. Both with the sanitizers. `make test` replays
+# the corpus.
+FUZZ_TARGETS := $(filter-out driver,$(patsubst tests/fuzz/%.cpp,%,$(wildcard tests/fuzz/*.cpp)))
+SECONDS_EACH = $(or $(SECONDS),60)
+FUZZ_CLANG := $(shell command -v clang++ 2>/dev/null)
+FUZZ_CXX ?= $(or $(FUZZ_CLANG),$(CXX))
+FUZZ_ENGINE := $(if $(findstring clang,$(FUZZ_CXX)),libfuzzer,driver)
+FUZZ_BUILD := build/fuzz/$(FUZZ_ENGINE)
+FUZZ_FLAGS := -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined -w \
+              $(if $(filter libfuzzer,$(FUZZ_ENGINE)),-fsanitize=fuzzer-no-link)
+# What the targets reach: all but the command line and the making of scenes.
+FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp $(patsubst %,lib/scene/%.cpp,color neighbors overrides pattern \
+                  placement report surface synth),$(wildcard lib/base/*.cpp lib/records/*.cpp lib/scene/*.cpp))
+FUZZ_OBJECTS := $(FUZZ_SOURCES:%.cpp=$(FUZZ_BUILD)/obj/%.o) $(FUZZ_BUILD)/obj/schemas.o
+
+$(FUZZ_BUILD)/obj/%.o: %.cpp | build/.packages
+	@mkdir -p $(@D)
+	$(call say,FUZZ,$<)
+	$(Q)$(FUZZ_CXX) $(CPPFLAGS) $(FUZZ_FLAGS) -MMD -MP -c $< -o $@
+$(FUZZ_BUILD)/obj/schemas.o: $(BUILD)/gen/schemas.cpp
+	@mkdir -p $(@D)
+	$(Q)$(FUZZ_CXX) $(CPPFLAGS) $(FUZZ_FLAGS) -c $< -o $@
+$(FUZZ_TARGETS:%=$(FUZZ_BUILD)/%): $(FUZZ_BUILD)/%: $(FUZZ_BUILD)/obj/tests/fuzz/%.o $(FUZZ_OBJECTS) \
+    $(if $(filter driver,$(FUZZ_ENGINE)),$(FUZZ_BUILD)/obj/tests/fuzz/driver.o)
+	$(call say,LINK,$@)
+	$(Q)$(FUZZ_CXX) -fsanitize=address,undefined $(if $(filter libfuzzer,$(FUZZ_ENGINE)),-fsanitize=fuzzer) $^ $(LDLIBS) -o $@
+-include $(wildcard $(FUZZ_BUILD)/obj/*/*/*.d)
+
+.PHONY: fuzz fuzz-seeds test-fuzz
+fuzz: $(FUZZ_TARGETS:%=$(FUZZ_BUILD)/%) ## Fuzz every reader for SECONDS=60 each; FUZZ="gaussians colmap" picks targets
+	$(Q)cd $(FUZZ_BUILD) && for t in $(or $(FUZZ),$(FUZZ_TARGETS)); do \
+	  mkdir -p found/$$t; echo "$$t: $(SECONDS_EACH) s with $(FUZZ_ENGINE)"; \
+	  $(if $(filter libfuzzer,$(FUZZ_ENGINE)),./$$t -max_total_time=$(SECONDS_EACH) -timeout=10 -rss_limit_mb=2048 -verbosity=0 \
+	    -print_final_stats=1 found/$$t $(CURDIR)/tests/fuzz/corpus/$$t 2>&1 | tail -8, \
+	    ./$$t -max_total_time=$(SECONDS_EACH) $(CURDIR)/tests/fuzz/corpus/$$t) || exit; done
+
+fuzz-seeds: $(BUILD)/test/make_fuzz_seeds all ## Write the seeds of tests/fuzz/corpus again
+	$(Q)$< tests/fuzz/corpus && tests/fuzz/record-seeds.sh $(BIN) tests/fuzz/corpus/records
+
+# The corpus, with this build's own flags (SAN=1 for the sanitizers), once.
+$(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%): $(BUILD)/test/fuzz/%: $(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/fuzz/driver.o $(LIBRARY)
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
+
+test-fuzz: $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%) ## Replay the fuzzing corpus
+	@for t in $(FUZZ_TARGETS); do printf '%s: ' $$t; $(BUILD)/test/fuzz/$$t tests/fuzz/corpus/$$t || exit; done
 
 # --- Benchmarks ---------------------------------------------------------------------------------------------------
 

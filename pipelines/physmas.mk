@@ -3,7 +3,7 @@
 # RUN      the run's folder
 # Where the scene comes from, one of:
 #   EXAMPLE    name of a description in examples/           -> pm-scene synth
-#   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, INVENTORY, MASKS, VIEWS and CAMERAS, SPEC, DROP,
+#   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, INVENTORY, MASKS, VIEWS and CAMERAS, SPEC, PHYSGAUSSIAN, OPACITY, CROP, DROP,
 #              AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
 #   SCENE      a scene.json                                 -> used where it lies
 # SET      run settings that win over the scene's: SET="screening.tau=0.6 time.frames=20"
@@ -47,7 +47,8 @@ define newline
 
 
 endef
-REQUEST := $(foreach v,EXAMPLE GAUSSIANS PROMPT UP INVENTORY MASKS VIEWS CAMERAS SPEC DROP AZIMUTH ELEVATION,$(v)=$(value $(v))$(newline))
+REQUEST := $(foreach v,EXAMPLE GAUSSIANS PROMPT UP INVENTORY MASKS VIEWS CAMERAS SPEC PHYSGAUSSIAN OPACITY CROP DROP AZIMUTH \
+  ELEVATION,$(v)=$(value $(v))$(newline))
 SETTINGS := $(value SET)
 MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))
 # Through the environment, so that quotes and dollar signs in a prompt reach the tool as they were typed.
@@ -79,13 +80,14 @@ $(STAMPS)/bundle: examples/$(EXAMPLE).json $(RUN)/request $(call missing,$(BUNDL
 	@$(BIN)/pm-scene synth $< --out $(BUNDLE) $(tool_threads)
 	$(finish)
 else
-$(STAMPS)/bundle: $(GAUSSIANS) $(INVENTORY) $(SPEC) $(CAMERAS) $(wildcard $(addsuffix /*,$(MASKS) $(VIEWS))) $(RUN)/request \
+$(STAMPS)/bundle: $(GAUSSIANS) $(INVENTORY) $(SPEC) $(PHYSGAUSSIAN) $(CAMERAS) $(wildcard $(addsuffix /*,$(MASKS) $(VIEWS))) $(RUN)/request \
                   $(call missing,$(BUNDLE)/scene.json) | $(BIN)/pm-scene
 	$(call stage,import,$(BUNDLE))
 	@$(BIN)/pm-scene import "$(GAUSSIANS)" --prompt "$$PM_PROMPT" --out $(BUNDLE) \
 	  $(if $(UP),--up=$(UP)) $(if $(INVENTORY),--inventory $(INVENTORY)) $(if $(MASKS),--masks $(MASKS)) \
 	  $(if $(VIEWS),--views $(VIEWS)) $(if $(CAMERAS),--cameras $(CAMERAS)) $(if $(SPEC),--run $(SPEC)) \
-	  $(if $(DROP),--drop $(DROP)) $(if $(AZIMUTH),--azimuth $(AZIMUTH)) $(if $(ELEVATION),--elevation $(ELEVATION)) $(tool_threads)
+	  $(if $(PHYSGAUSSIAN),--physgaussian $(PHYSGAUSSIAN)) $(if $(OPACITY),--opacity-threshold $(OPACITY)) \
+	  $(if $(CROP),--crop $(CROP)) $(if $(DROP),--drop $(DROP)) $(if $(AZIMUTH),--azimuth $(AZIMUTH)) $(if $(ELEVATION),--elevation $(ELEVATION)) $(tool_threads)
 	$(finish)
 endif
 $(BUNDLE_FILES): $(STAMPS)/bundle ;

@@ -11,6 +11,7 @@ using namespace physmas;
 int main(int argc, char** argv) {
   std::string example, scene, described, folder, overrides_file;
   std::vector<std::string> settings;
+  std::vector<double> crop;
   splat::ImportOptions import;
   CLI::App *synth_command = nullptr, *import_command = nullptr, *slice_command = nullptr, *info_command = nullptr;
 
@@ -20,7 +21,7 @@ int main(int argc, char** argv) {
   tool.footer =
       "Examples: pm-scene synth examples/cake.json --out runs/cake/scene\n"
       "          pm-scene import guitar.compressed.ply --up=-y --prompt \"the guitar falls onto the floor\" --out DIR\n"
-      "Reads:    example.json, .ply, .compressed.ply, .splat    Writes: scene.json, gaussians.ply, views/*.png";
+      "Reads:    example.json, .ply, .compressed.ply, .spz, .splat    Writes: scene.json, gaussians.ply, views/*.png";
   tool.options = [&](CLI::App& app) {
     app.require_subcommand(1);
     app.fallthrough();
@@ -29,20 +30,30 @@ int main(int argc, char** argv) {
     synth_command->add_option("--out", folder, "Folder of the bundle")->required();
 
     import_command = app.add_subcommand("import", "A bundle from a file of 3D Gaussians");
-    import_command->add_option("FILE", import.gaussians, "3DGS .ply, SuperSplat .compressed.ply, or .splat")
+    import_command->add_option("FILE", import.gaussians, "3DGS .ply, SuperSplat .compressed.ply, .spz, or .splat")
         ->required();
     import_command->add_option("--prompt", import.prompt, "What shall happen")->required();
     import_command->add_option("--out", folder, "Folder of the bundle")->required();
-    import_command->add_option("--up", import.up, "Scene axis that points up")
-        ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}))
-        ->capture_default_str();
-    CLI::Option* views = import_command->add_option("--views", import.views, "Folder with four images of your own");
-    import_command->add_option("--cameras", import.cameras, "Their cameras: JSON list of {name, image, camera}")
+    import_command->add_option("--up", import.up, "Scene axis that points up; -y, or y for .spz, when absent")
+        ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
+    import_command
+        ->add_option("--opacity-threshold", import.selection.opacity_threshold,
+                     "Take Gaussians of a higher opacity only")
+        ->check(CLI::Range(0.0, 1.0));
+    import_command->add_option("--crop", crop, "Take Gaussians inside x0 x1 y0 y1 z0 z1 only, scene units")
+        ->expected(6);
+    CLI::Option* views = import_command->add_option("--views", import.views, "Folder with images of your own");
+    import_command
+        ->add_option("--cameras", import.cameras,
+                     "Their cameras: JSON list of four {name, image, camera}, transforms.json, 3DGS cameras.json, or "
+                     "a COLMAP model's folder")
         ->needs(views);
     views->needs("--cameras");
     import_command->add_option("--inventory", import.inventory, "Authored inventory");
     import_command->add_option("--masks", import.masks, "Authored masks: VIEW/OBJECT.png, VIEW/OBJECT/PART.png");
     import_command->add_option("--run", import.run, "Run specification; what it leaves out has its default");
+    import_command->add_option("--physgaussian", import.physgaussian,
+                               "PhysGaussian configuration to take the run specification from");
     import_command->add_option("--name", import.name, "Id of the scene [a-z0-9-]; made from FILE when absent");
     import_command->add_option("--drop", import.drop, "Height above the floor that is added, solver units")
         ->check(CLI::Range(0.0, 1.0))
@@ -68,6 +79,7 @@ int main(int argc, char** argv) {
   };
   tool.work = [&](const CommonOptions&) {
     import.folder = folder;
+    if (!crop.empty()) import.selection.crop = crop_box(crop, "--crop");
     if (synth_command->parsed()) splat::write_synth_bundle(example, folder);
     if (import_command->parsed()) splat::write_import_bundle(import);
     if (slice_command->parsed()) write_slices(scene, run_overrides(overrides_file, settings), folder);

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
@@ -43,6 +44,8 @@ std::string read_file(const std::string& path, size_t limit) {
   const File file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) throw system_error(path, "cannot be read", errno);
   std::string bytes;
+  // Growing piece by piece would need twice the memory for a moment.
+  if (S_ISREG(info.st_mode)) bytes.reserve(std::min(static_cast<size_t>(info.st_size), limit));
   std::string buffer(1 << 20, '\0');
   size_t n;
   while ((n = std::fread(&buffer[0], 1, buffer.size(), file.get())) > 0) {

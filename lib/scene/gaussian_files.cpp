@@ -97,13 +97,18 @@ Gaussians parse_gaussians(const std::string& path, const std::string& bytes) {
     check_values(path, "element vertex row", g);
     return g;
   }
+  if (is_spz(bytes)) {
+    Gaussians g = read_spz(path, bytes);
+    check_values(path, "Gaussian", g);
+    return g;
+  }
   if (ends_with(path, ".splat")) {
     Gaussians g = read_splat(path, bytes);
     check_values(path, "Gaussian", g);
     return g;
   }
   throw invalid_input({path, "byte 0", bytes.empty() ? "an empty file" : "no PLY magic",
-                       "a 3DGS .ply, a SuperSplat .compressed.ply, or a .splat file"});
+                       "a 3DGS .ply, a SuperSplat .compressed.ply, an .spz, or a .splat file"});
 }
 
 Gaussians load_gaussians(const std::string& path) {

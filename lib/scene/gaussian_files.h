@@ -9,9 +9,10 @@
 
 namespace physmas {
 
-// Any supported file of Gaussians. PLY files are known by their first bytes, with SuperSplat's compressed layout told
-// apart by its elements; `.splat` files, which have no magic, by their name. Every value of the result is finite and
-// every quaternion has a length. Errors (exit code 3) name the file, the field or byte, what was found and expected.
+// Any supported file of Gaussians. PLY and `.spz` files are known by their first bytes, with SuperSplat's compressed
+// PLY told apart by its elements; `.splat` files, which have no magic, by their name. Every value of the result is
+// finite and every quaternion has a length. Errors (exit code 3) name the file, the field or byte, what was found and
+// expected.
 Gaussians load_gaussians(const std::string& path);
 
 // The same for bytes already in memory; `path` names them in messages and decides on `.splat`.

@@ -21,6 +21,14 @@ Gaussians read_compressed_ply(const PlyFile& file);
 // `.splat` (antimatter15): 32 bytes per Gaussian: position and linear scale as float32, RGBA and quaternion as bytes.
 Gaussians read_splat(const std::string& path, const std::string& bytes);
 
+// Whether the bytes start as a gzip stream or as an uncompressed .spz file do.
+bool is_spz(const std::string& bytes);
+
+// `.spz` (Niantic Labs), versions 2 and 3: a gzip stream of a 16-byte header and one array per attribute: 24-bit
+// fixed-point means, 8-bit opacities, colours, log scales and harmonics, quaternions of 3 or 4 bytes. Values are taken
+// as stored: right, up, back, so y points up. Nothing is allocated that the compressed size could not hold.
+Gaussians read_spz(const std::string& path, const std::string& bytes);
+
 // Logit of an 8-bit opacity. 0 and 255 stay finite: they are moved inwards by 1e-6, far below what is visible.
 float opacity_logit_of_byte(double byte);
 

@@ -3,41 +3,71 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdio>
 
+#include "base/log.h"
 #include "records/inventory.h"
 #include "scene/gaussian_files.h"
 #include "scene/scene.h"
+#include "scene/selection.h"
 
 namespace physmas {
 namespace {
 
-struct Summary {
-  double least, median, most;
-};
+constexpr int kBins = 10, kBarWidth = 40;
 
-Summary summary_of(std::vector<float> values) {
-  std::sort(values.begin(), values.end());
-  return {values.front(), values[values.size() / 2], values.back()};
+// Counts of values in kBins equal parts of low..high, with bars; the last part includes its upper end.
+void print_histogram(const std::vector<float>& values, double low, double high) {
+  std::array<size_t, kBins> counts = {};
+  for (const float value : values) {
+    const double t = high > low ? (value - low) / (high - low) : 0;
+    ++counts[std::clamp(static_cast<int>(t * kBins), 0, kBins - 1)];
+  }
+  const size_t most = *std::max_element(counts.begin(), counts.end());
+  for (int bin = 0; bin < kBins; ++bin) {
+    const double from = low + (high - low) * bin / kBins, to = low + (high - low) * (bin + 1) / kBins;
+    const size_t bar = (counts[bin] * kBarWidth + most - 1) / most;
+    fmt::print("    {:8.3g} to {:8.3g}  {:9}{}{}\n", from, to, counts[bin], bar > 0 ? "  " : "", std::string(bar, '#'));
+  }
+}
+
+float median_of(std::vector<float> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
 }
 
 void print_gaussians(const std::string& path) {
   const Gaussians gaussians = load_gaussians(path);
-  std::vector<float> opacities, scales;
-  Eigen::Vector3f low = gaussians.position[0], high = low;
+  std::vector<float> opacities, scales;  // the logarithms of the scales to base 10: they span decades
+  Eigen::AlignedBox3f bounds;
   for (size_t i = 0; i < gaussians.size(); ++i) {
     opacities.push_back(gaussians.opacity(i));
-    for (int axis = 0; axis < 3; ++axis) scales.push_back(gaussians.scale(i)[axis]);
-    low = low.cwiseMin(gaussians.position[i]);
-    high = high.cwiseMax(gaussians.position[i]);
+    for (int axis = 0; axis < 3; ++axis)
+      scales.push_back(gaussians.log_scale[i][axis] / static_cast<float>(std::log(10.0)));
+    bounds.extend(gaussians.position[i]);
   }
-  const Summary opacity = summary_of(std::move(opacities)), scale = summary_of(std::move(scales));
+  const auto opacity = std::minmax_element(opacities.begin(), opacities.end());
+  const auto scale = std::minmax_element(scales.begin(), scales.end());
+  const Eigen::Vector3f &low = bounds.min(), &high = bounds.max();
+  const auto power = [](float exponent) { return std::pow(10.0, static_cast<double>(exponent)); };
   fmt::print("{}: {} Gaussians\n", path, gaussians.size());
   fmt::print("  spherical harmonics  degree {}\n", gaussians.sh_degree);
   fmt::print("  bounds of the means  {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}\n", low.x(), low.y(), low.z(),
              high.x(), high.y(), high.z());
-  fmt::print("  opacity              {:.3g} to {:.3g}, median {:.3g}\n", opacity.least, opacity.most, opacity.median);
-  fmt::print("  scale                {:.3g} to {:.3g}, median {:.3g}\n", scale.least, scale.most, scale.median);
+  fmt::print("  opacity              {:.3g} to {:.3g}, median {:.3g}\n", *opacity.first, *opacity.second,
+             median_of(opacities));
+  print_histogram(opacities, 0, 1);
+  fmt::print("  scale                {:.3g} to {:.3g}, median {:.3g}; by its logarithm to base 10:\n",
+             power(*scale.first), power(*scale.second), power(median_of(scales)));
+  print_histogram(scales, *scale.first, *scale.second);
+  const Floaters floaters = find_floaters(gaussians);
+  fmt::print("  floaters             {} outside {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}\n", floaters.count,
+             floaters.box.min().x(), floaters.box.min().y(), floaters.box.min().z(), floaters.box.max().x(),
+             floaters.box.max().y(), floaters.box.max().z());
+  const std::string warning = floater_warning(floaters);
+  if (!warning.empty()) log_warning(path + ": " + warning);
 }
 
 void print_scene(const std::string& path) {

@@ -6,8 +6,8 @@
 
 namespace physmas {
 
-// Prints counts, bounds, degree, opacities and scales to stdout; for scene.json its parts first. Throws what the
-// readers throw.
+// Prints counts, bounds, degree, and histograms of opacities and scales to stdout; for scene.json its parts first.
+// Warns of floaters on stderr (selection.h). Throws what the readers throw.
 void print_report(const std::string& path);
 
 }  // namespace physmas

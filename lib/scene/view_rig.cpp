@@ -109,14 +109,12 @@ std::vector<Vector3d> means_of(const Gaussians& gaussians) {
   return points;
 }
 
-std::vector<Vector3d> robust_means_of(const Gaussians& gaussians) {
-  std::vector<Vector3d> points = means_of(gaussians);
-  if (points.empty()) return points;
+Eigen::AlignedBox3d robust_box_of(const Gaussians& gaussians) {
   Vector3d low, high;
-  std::vector<std::pair<float, float>> values(points.size());
+  std::vector<std::pair<float, float>> values(gaussians.size());
   for (int axis = 0; axis < 3; ++axis) {
     double total = 0;
-    for (size_t i = 0; i < points.size(); ++i) {
+    for (size_t i = 0; i < values.size(); ++i) {
       values[i] = {gaussians.position[i][axis], gaussians.opacity(i)};
       total += values[i].second;
     }
@@ -125,9 +123,16 @@ std::vector<Vector3d> robust_means_of(const Gaussians& gaussians) {
     high[axis] = weighted_quantile(values, total, 1 - kQuantile);
   }
   const Vector3d widen = kWiden * (high - low);
+  return {low - widen, high + widen};
+}
+
+std::vector<Vector3d> robust_means_of(const Gaussians& gaussians) {
+  std::vector<Vector3d> points = means_of(gaussians);
+  if (points.empty()) return points;
+  const Eigen::AlignedBox3d box = robust_box_of(gaussians);
   std::vector<Vector3d> kept;
   for (const Vector3d& p : points) {
-    if ((p.array() >= (low - widen).array()).all() && (p.array() <= (high + widen).array()).all()) kept.push_back(p);
+    if (box.contains(p)) kept.push_back(p);
   }
   return kept.empty() ? points : kept;
 }

@@ -41,8 +41,11 @@ std::vector<Camera> view_cameras(const std::vector<Eigen::Vector3d>& points, dou
 // The means of all Gaussians.
 std::vector<Eigen::Vector3d> means_of(const Gaussians& gaussians);
 
-// The means without stray Gaussians: those inside the box between the 0.5 % and 99.5 % quantiles per axis, weighted by
-// opacity and widened by a tenth on every side. Never empty when there are Gaussians.
+// The box between the 0.5 % and 99.5 % quantiles of the means per axis, weighted by opacity and widened by a tenth on
+// every side. gaussians: at least one.
+Eigen::AlignedBox3d robust_box_of(const Gaussians& gaussians);
+
+// The means without stray Gaussians: those inside the robust box. Never empty when there are Gaussians.
 std::vector<Eigen::Vector3d> robust_means_of(const Gaussians& gaussians);
 
 }  // namespace physmas

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <numeric>
@@ -14,12 +15,15 @@
 #include "base/log.h"
 #include "records/inventory.h"
 #include "records/labels.h"
+#include "scene/captured_views.h"
 #include "scene/gaussian_files.h"
 #include "scene/neighbors.h"
+#include "scene/physgaussian.h"
 #include "scene/placement.h"
 #include "scene/scene.h"
 #include "scene/view_rig.h"
 #include "splat/image_io.h"
+#include "splat/user_views.h"
 #include "splat/views.h"
 
 namespace fs = std::filesystem;
@@ -44,49 +48,6 @@ std::string name_from(const std::string& path) {
   name = name.substr(0, kMaxName);
   while (!name.empty() && name.back() == '-') name.pop_back();
   return name.empty() ? "scene" : name;
-}
-
-// A file that goes into the bundle as it is.
-struct CopiedFile {
-  std::string to;
-  std::string bytes;
-};
-
-struct UserViews {
-  std::vector<SceneView> views;
-  std::vector<CopiedFile> files;
-};
-
-UserViews read_user_views(const ImportOptions& options) {
-  const Json list = parse_json(read_file(options.cameras), options.cameras);
-  if (!list.is_array())
-    throw invalid_input({options.cameras, "/", "JSON that is not a list", "a list of four {name, image, camera}"});
-  if (list.size() != 4)
-    throw invalid_input(
-        {options.cameras, "/", fmt::format("{} views", list.size()), "exactly four {name, image, camera}"});
-  // The list is what scene.json has as `views`, so its schema judges it.
-  validate_record({{"schema", "physmas/scene/1"}, {"name", "cameras"}, {"views", list}}, "scene", options.cameras);
-  UserViews user;
-  std::set<std::string> names;
-  for (size_t i = 0; i < list.size(); ++i) {
-    const std::string pointer = "/" + std::to_string(i);
-    SceneView view;
-    view.name = list[i].at("name").get<std::string>();
-    if (!names.insert(view.name).second)
-      throw invalid_field(options.cameras, pointer + "/name", view.name, "a name of its own for each view");
-    view.camera = camera_from(list[i].at("camera"), options.cameras, pointer + "/camera");
-    const std::string source =
-        resolve_inside(options.views, list[i].at("image").get<std::string>(), options.cameras, pointer + "/image");
-    const Image image = load_image(source);
-    if (image.width != view.camera.width || image.height != view.camera.height) {
-      throw invalid_input({source, "", fmt::format("an image of {} x {} pixels", image.width, image.height),
-                           fmt::format("{} x {} as its camera says", view.camera.width, view.camera.height)});
-    }
-    view.image = options.folder + "/views/" + view.name + fs::path(source).extension().string();
-    user.files.push_back({view.image, read_file(source)});
-    user.views.push_back(std::move(view));
-  }
-  return user;
 }
 
 std::vector<CopiedFile> read_masks(const ImportOptions& options, const std::vector<SceneView>& views) {
@@ -148,12 +109,12 @@ int grid_for(const Gaussians& gaussians, const RunSpecification& run) {
   return std::max(kCoarsest, std::min({sampled, stable_grid(run), run.grid.n}));
 }
 
-// The user's specification with what it leaves open: up, grid, placement and floor.
-RunSpecification run_for(const ImportOptions& options, const Gaussians& gaussians) {
-  Json json = Json::object();
+// The user's specification with what it leaves open: up, grid, placement and floor. json: what lies below it, an
+// imported configuration or nothing.
+RunSpecification run_for(const ImportOptions& options, Json json, const Gaussians& gaussians) {
   const std::string file = options.run.empty() ? "--drop" : options.run;
   if (!options.run.empty()) {
-    json = load_record(options.run, "run");
+    json.merge_patch(load_record(options.run, "run"));
     json.erase("schema");
     json.erase("provenance");
     if (json.value("/placement/up"_json_pointer, options.up) != options.up) {
@@ -230,7 +191,45 @@ void remove_other_masks(const std::string& folder, const std::vector<CopiedFile>
 
 }  // namespace
 
-void write_import_bundle(const ImportOptions& options) {
+namespace {
+
+// Up, where neither the user nor a configuration says it: .spz files have y up, other captures y down.
+std::string usual_up(const std::string& path) {
+  return fs::path(path).extension() == ".spz" ? "y" : "-y";
+}
+
+// An imported configuration goes below what the user says. Returns its run specification.
+Json take_configuration(const PhysGaussianImport& configuration, ImportOptions& options) {
+  if (options.up.empty()) options.up = configuration.up;
+  if (!options.selection.crop) options.selection.crop = configuration.selection.crop;
+  if (options.selection.opacity_threshold == 0) {
+    options.selection.opacity_threshold = configuration.selection.opacity_threshold;
+  }
+  if (options.up != configuration.up) {
+    throw Error(ExitCode::usage, fmt::format("--up: found {}, expected {} as {} has it", options.up, configuration.up,
+                                             options.physgaussian));
+  }
+  Json run = configuration.run;
+  run.erase("schema");
+  return run;
+}
+
+void record_selection(const Selection& selection, size_t removed, Provenance& provenance) {
+  if (selection.opacity_threshold > 0) {
+    provenance.options.emplace_back("opacity_threshold", fmt::format("{}", selection.opacity_threshold));
+  }
+  if (selection.crop) {
+    const Eigen::Vector3d &low = selection.crop->min(), &high = selection.crop->max();
+    provenance.options.emplace_back(
+        "crop", fmt::format("{} {} {} {} {} {}", low.x(), high.x(), low.y(), high.y(), low.z(), high.z()));
+  }
+  if (removed > 0) provenance.options.emplace_back("gaussians_removed", std::to_string(removed));
+}
+
+}  // namespace
+
+void write_import_bundle(const ImportOptions& given) {
+  ImportOptions options = given;
   if (options.prompt.find_first_not_of(" \t\r\n") == std::string::npos)
     throw invalid_input({"--prompt", "", "a blank prompt", "a description of the motion",
                          "for example --prompt \"it falls onto the floor\""});
@@ -239,20 +238,30 @@ void write_import_bundle(const ImportOptions& options) {
     throw Error(ExitCode::usage, "--name: found \"" + one_line(options.name, 80) +
                                      "\", expected an id [a-z0-9-] of at most 64 characters");
   }
-  const Gaussians gaussians = load_gaussians(options.gaussians);
+  PhysGaussianImport configuration;
+  Json base = Json::object();
+  if (!options.physgaussian.empty()) {
+    configuration = load_physgaussian(options.physgaussian);
+    base = take_configuration(configuration, options);
+  }
+  if (options.up.empty()) options.up = usual_up(options.gaussians);
+  Gaussians gaussians = load_gaussians(options.gaussians);
+  const size_t removed = select_gaussians(gaussians, options.selection, options.gaussians);
   Scene scene;
   scene.name = options.name.empty() ? name_from(options.gaussians) : options.name;
   scene.prompt = options.prompt;
-  scene.run = run_for(options, gaussians);
+  scene.run = run_for(options, std::move(base), gaussians);
   scene.gaussians = options.folder + "/gaussians.ply";
 
   const std::vector<Eigen::Vector3d> means = robust_means_of(gaussians);
   std::vector<CopiedFile> copies;
   std::vector<Image> rendered;
+  std::vector<std::pair<std::string, std::string>> chosen;
   if (!options.cameras.empty()) {
-    UserViews user = read_user_views(options);
+    UserViews user = read_user_views(options.cameras, options.views, means, options.up, options.folder);
     scene.views = std::move(user.views);
     copies = std::move(user.files);
+    chosen = std::move(user.chosen);
   } else {
     const std::vector<Camera> cameras =
         view_cameras(means, options.view_elevation, {options.up, kViewFov, kViewMargin, kViewSize, kViewSize});
@@ -267,11 +276,20 @@ void write_import_bundle(const ImportOptions& options) {
   Provenance provenance;
   provenance.tool = "pm-scene";
   provenance.options = {{"command", "import"}, {"up", options.up}};
+  record_selection(options.selection, removed, provenance);
+  for (const auto& [name, image] : chosen) provenance.options.emplace_back("view " + name, image);
+  for (const Omission& field : configuration.not_mapped) {
+    provenance.options.emplace_back("not mapped " + field.what, field.why);
+  }
   provenance.add_input(options.gaussians);
+  if (!options.physgaussian.empty()) provenance.add_input(options.physgaussian);
   if (!options.run.empty()) provenance.add_input(options.run);
-  if (!options.cameras.empty()) provenance.add_input(options.cameras);
+  if (!options.cameras.empty()) {
+    for (const std::string& file : captured_view_files(options.cameras)) provenance.add_input(file);
+  }
+  std::vector<std::string> row_keys;
   if (!options.inventory.empty()) {
-    load_inventory(options.inventory);
+    for (const InventoryRow& row : load_inventory(options.inventory).rows) row_keys.push_back(row.key());
     provenance.add_input(options.inventory);
     scene.inventory = options.folder + "/inventory.json";
     copies.push_back({scene.inventory, read_file(options.inventory)});
@@ -287,7 +305,18 @@ void write_import_bundle(const ImportOptions& options) {
   for (const CopiedFile& file : copies) write_file(file.to, file.bytes);
   for (const CopiedFile& file : masks) write_file(file.to, file.bytes);
   if (!masks.empty()) remove_other_masks(scene.masks, masks);
+  if (!options.physgaussian.empty()) {
+    Provenance hints;
+    hints.tool = "pm-scene";
+    hints.add_input(options.physgaussian);
+    save_record(options.folder + "/material-records.json", "material_records", hints,
+                material_hints(configuration, row_keys));
+  }
   save_scene(options.folder + "/scene.json", scene, provenance);
+  for (const Omission& field : configuration.not_mapped) fmt::print("not mapped: {}: {}\n", field.what, field.why);
+  std::fflush(stdout);
+  const std::string warning = floater_warning(find_floaters(gaussians));
+  if (!warning.empty()) log_warning(options.gaussians + ": " + warning);
   log_info(fmt::format("{}: {} Gaussians", options.folder, gaussians.size()));
 }
 

@@ -4,19 +4,23 @@
 
 #include <string>
 
+#include "scene/selection.h"
+
 namespace physmas::splat {
 
 struct ImportOptions {
-  std::string gaussians;       // .ply, .compressed.ply or .splat
+  std::string gaussians;       // .ply, .compressed.ply, .spz or .splat
   std::string prompt;          // not blank
   std::string folder;          // of the bundle
-  std::string up = "-y";       // raw captures have y down
+  std::string up;              // empty: what `physgaussian` says, else y for .spz, else -y (raw captures have y down)
   std::string name;            // empty: made from the file's name
-  std::string views;           // folder with the user's four images, or empty
-  std::string cameras;         // JSON list of {name, image, camera}, with `views` only
+  std::string views;           // folder with the user's images, or empty
+  std::string cameras;         // their cameras (user_views.h), with `views` only
   std::string inventory;       // authored inventory, or empty
   std::string masks;           // folder with VIEW/OBJECT.png and VIEW/OBJECT/PART.png, or empty
   std::string run;             // partial run specification, or empty
+  std::string physgaussian;    // configuration that `run` and the other options win over, or empty
+  Selection selection;         // which Gaussians are taken
   double drop = 0.15;          // height of the lowest mean above the floor that is added, solver units, >= 0
   double view_elevation = 10;  // of the four views that we render, degrees
   double azimuth = 25;         // of the output camera, degrees from the front towards the right
@@ -27,7 +31,8 @@ struct ImportOptions {
 // Without colliders in the run specification a floor is added below the scene; without a placement there, the scene
 // stands so low that the floor lies a little above the lower wall. Errors (exit code 3): what the readers refuse, a
 // blank prompt, not exactly four views, an image of another size than its camera, a scene or floor outside the walls.
-// Unchanged files keep their timestamps.
+// A PhysGaussian configuration also leaves material-records.json, hints for pm-material --authored; what could not be
+// mapped is printed and recorded in the provenance of scene.json. Unchanged files keep their timestamps.
 void write_import_bundle(const ImportOptions& options);
 
 }  // namespace physmas::splat

@@ -1,0 +1,88 @@
+// JSON records: parsing, the schema that the document names, and the loaders that check what a schema cannot.
+#include <unistd.h>
+
+#include <fstream>
+#include <functional>
+#include <map>
+
+#include "guard.h"
+#include "records/candidate.h"
+#include "records/evidence.h"
+#include "records/example.h"
+#include "records/execution.h"
+#include "records/material_records.h"
+#include "records/plan.h"
+#include "records/render.h"
+#include "records/screen.h"
+#include "scene/scene.h"
+
+namespace {
+
+using namespace physmas;
+
+// Loaders read files. One per process, removed at its end.
+struct File {
+  std::string path = "/tmp/physmas-fuzz-" + std::to_string(getpid()) + ".json";
+  ~File() { unlink(path.c_str()); }
+};
+
+// The inventory of tests/data/tiny.json, which the seeds belong to.
+Inventory tiny_inventory() {
+  Inventory inventory;
+  inventory.objects.emplace_back();
+  inventory.objects.back().id = "lollipop";
+  for (const char* part : {"stick", "candy", "residual"}) {
+    inventory.rows.emplace_back();
+    inventory.rows.back().object = "lollipop";
+    inventory.rows.back().part = part;
+  }
+  return inventory;
+}
+
+void load_run(const std::string& path) {
+  Json run = load_record(path, "run");
+  run.erase("schema");
+  run.erase("provenance");
+  run_specification_from(run, path, "");
+}
+
+const std::map<std::string, std::function<void(const std::string& path)>>& loaders() {
+  static const Inventory inventory = tiny_inventory();
+  static const std::map<std::string, std::function<void(const std::string&)>> kLoaders = {
+      {"scene", [](const std::string& path) { load_scene(path, {}); }},
+      {"run", load_run},
+      {"inventory", [](const std::string& path) { load_inventory(path); }},
+      {"plan", [](const std::string& path) { load_plan(path, inventory); }},
+      {"material_records", [](const std::string& path) { load_material_records(path, inventory); }},
+      {"evidence",
+       [](const std::string& path) {
+         load_evidence(path, {"lollipop/stick", "lollipop/candy", "lollipop/residual"});
+       }},
+      {"candidate", [](const std::string& path) { load_candidate(path); }},
+      {"round", [](const std::string& path) { load_round(path); }},
+      {"execution", [](const std::string& path) { load_execution(path); }},
+      {"render", [](const std::string& path) { load_render(path); }},
+      {"screen", [](const std::string& path) { load_screen(path); }},
+      {"accepted", [](const std::string& path) { load_accepted(path); }},
+      {"example", [](const std::string& path) { load_example(path); }},
+  };
+  return kLoaders;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  static const File file;
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  guard([&] {
+    const Json document = parse_json(text, "input.json");
+    if (!document.is_object() || !document.contains("schema") || !document.at("schema").is_string()) return;
+    const std::string schema = document.at("schema").get<std::string>();
+    for (const auto& [name, load] : loaders()) {
+      if (schema != "physmas/" + name + "/1") continue;
+      std::ofstream(file.path, std::ios::binary) << text;
+      load(file.path);
+    }
+  });
+  return 0;
+}

@@ -1,0 +1,179 @@
+// make_fuzz_seeds DIR: writes small valid inputs for every target of tests/fuzz into DIR/TARGET.
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "../unit/spz_bytes.h"
+#include "base/file.h"
+#include "scene/gaussian_files.h"
+#include "scene/physgaussian.h"
+#include "scene/scene.h"
+
+using namespace physmas;
+
+namespace {
+
+template <class T>
+void put(std::string& bytes, T value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+std::string ply_text(int degree) {
+  std::string text = "ply\nformat ascii 1.0\ncomment seed\nelement vertex 2\n";
+  const int rest = 3 * (sh_coefficient_count(degree) - 1);
+  int columns = 0;
+  const auto declare = [&](const std::string& name) { text += "property float " + name + "\n", ++columns; };
+  for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2"}) declare(name);
+  for (int k = 0; k < rest; ++k) declare(fmt::format("f_rest_{}", k));
+  for (const char* name : {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
+    declare(name);
+  text += "end_header\n";
+  for (int row = 0; row < 2; ++row) {
+    for (int k = 0; k < columns; ++k) text += fmt::format("{} ", 0.5 + row - 0.01 * k);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string ply_big_endian_with_list() {
+  std::string bytes =
+      "ply\nformat binary_big_endian 1.0\nelement face 1\nproperty list uchar short v\nelement vertex 1\n";
+  for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
+                           "rot_0", "rot_1", "rot_2", "rot_3"}) {
+    bytes += std::string("property float ") + name + "\n";
+  }
+  bytes += "end_header\n";
+  bytes += std::string("\2\0\1\0\2", 5);
+  for (int k = 0; k < 14; ++k) bytes += std::string("\x3f\x80\0\0", 4);
+  return bytes;
+}
+
+std::string compressed_ply() {
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement chunk 1\n";
+  for (const char* kind : {"", "scale_"}) {
+    for (const char* bound : {"min_", "max_"}) {
+      for (const char* axis : {"x", "y", "z"}) bytes += fmt::format("property float {}{}{}\n", bound, kind, axis);
+    }
+  }
+  bytes += "element vertex 2\n";
+  for (const char* name : {"position", "rotation", "scale", "color"})
+    bytes += fmt::format("property uint packed_{}\n", name);
+  bytes += "element sh 2\n";
+  for (int k = 0; k < 9; ++k) bytes += fmt::format("property uchar f_rest_{}\n", k);
+  bytes += "end_header\n";
+  for (float v : {-1.f, -1.f, -1.f, 1.f, 1.f, 1.f, -5.f, -5.f, -5.f, 0.f, 0.f, 0.f}) put(bytes, v);
+  for (uint32_t v : {0x12345678u, 0xc0ffee11u, 0x01020304u, 0x80a0c0ffu}) put(bytes, v), put(bytes, ~v);
+  return bytes + std::string(18, '\x80');
+}
+
+std::string splat() {
+  std::string bytes;
+  for (float v : {0.5f, 1.f, -2.f, 0.1f, 0.2f, 0.3f}) put(bytes, v);
+  for (uint32_t v : {0xc0804020u, 0x80ff8040u}) put(bytes, v);
+  return bytes + bytes;
+}
+
+Json pose(double angle) {
+  const Camera camera = look_at({5 * std::sin(angle), -5 * std::cos(angle), 1}, {0, 0, 0}, {0, 0, 1}, 1, 64, 48);
+  Eigen::Matrix4d m = camera.world_to_camera.inverse();
+  m.middleCols<2>(1) *= -1;
+  Json rows = Json::array();
+  for (int r = 0; r < 4; ++r) rows.push_back({m(r, 0), m(r, 1), m(r, 2), m(r, 3)});
+  return rows;
+}
+
+std::string colmap_text() {
+  const std::string cameras = "# cameras\n1 PINHOLE 64 48 60 60 32 24\n2 SIMPLE_RADIAL 64 48 60 32 24 0\n";
+  const std::string images = "# images\n1 1 0 0 0 0 0 5 1 a.png\n1 2 -1\n2 0 1 0 0 0 0 5 2 b c.png\n\n";
+  return std::string("t") + static_cast<char>(cameras.size()) + '\0' + cameras + images;
+}
+
+std::string colmap_binary() {
+  std::string cameras, images;
+  put<uint64_t>(cameras, 1), put<uint32_t>(cameras, 1), put<int32_t>(cameras, 0);
+  put<uint64_t>(cameras, 64), put<uint64_t>(cameras, 48);
+  for (double v : {60., 32., 24.}) put(cameras, v);
+  put<uint64_t>(images, 1), put<uint32_t>(images, 1);
+  for (double v : {1., 0., 0., 0., 0., 0., 5.}) put(images, v);
+  put<uint32_t>(images, 1);
+  images += std::string("a.png\0", 6);
+  put<uint64_t>(images, 1);
+  images += std::string(24, 'p');
+  return std::string("b") + static_cast<char>(cameras.size()) + '\0' + cameras + images;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "make_fuzz_seeds DIR\n");
+    return 2;
+  }
+  const std::string folder = argv[1];
+  const auto seed = [&](const std::string& name, const std::string& bytes) { write_file(folder + "/" + name, bytes); };
+  using testing::SpzGaussian;
+  for (int degree = 0; degree <= 1; ++degree) seed(fmt::format("gaussians/text-{}", degree), ply_text(degree));
+  seed("gaussians/big-endian", ply_big_endian_with_list());
+  seed("gaussians/compressed", compressed_ply());
+  seed("gaussians/splat", splat());
+  for (int version = 2; version <= 3; ++version) {
+    for (int degree = 0; degree <= 1; ++degree) {
+      const SpzGaussian g = SpzGaussian::with_degree(degree);
+      const std::string body = testing::spz_body(version, degree, {g, g});
+      seed(fmt::format("spz/version-{}-degree-{}", version, degree), body);
+      if (degree == 1) seed(fmt::format("gaussians/spz-{}", version), testing::gzip(body));
+    }
+  }
+
+  Json transforms = {{"w", 64}, {"h", 48}, {"fl_x", 60}, {"k1", 0}, {"frames", Json::array()}},
+       splatting = Json::array();
+  Json blender = {{"camera_angle_x", 0.7}, {"frames", Json::array()}};
+  for (int i = 0; i < 4; ++i) {
+    transforms["frames"].push_back({{"file_path", fmt::format("{}.png", i)}, {"transform_matrix", pose(1.57 * i)}});
+    splatting.push_back({{"img_name", "a"},
+                         {"width", 64},
+                         {"height", 48},
+                         {"fx", 60},
+                         {"fy", 60},
+                         {"position", {0, 0, -5 - i}},
+                         {"rotation", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}});
+  }
+  blender["frames"] = transforms["frames"];
+  blender["applied_transform"] = {{0, 1, 0, 0}, {1, 0, 0, 0}, {0, 0, -1, 0}};
+  seed("cameras/transforms", transforms.dump());
+  seed("cameras/blender", blender.dump());
+  seed("cameras/splatting", splatting.dump());
+  seed("colmap/text", colmap_text());
+  seed("colmap/binary", colmap_binary());
+
+  Json run = to_json(RunSpecification());
+  Json view = {
+      {"name", "a"}, {"image", "a.png"}, {"camera", to_json(look_at({0, -5, 0}, {0, 0, 0}, {0, 0, 1}, 1, 64, 48))}};
+  Json scene = {{"schema", "physmas/scene/1"},
+                {"name", "s"},
+                {"prompt", "it falls"},
+                {"gaussians", "g.ply"},
+                {"views", Json::array()},
+                {"output_cameras", {view["camera"]}},
+                {"run", run}};
+  for (const char* name : {"a", "b", "c", "d"}) view["name"] = name, scene["views"].push_back(view);
+  seed("records/scene", scene.dump());
+  run["schema"] = "physmas/run/1";
+  run["colliders"] = {{{"type", "plane"}, {"point", {0, 0, 0}}, {"normal", {0, 0, 1}}},
+                      {{"type", "box"}, {"min", {0, 0, 0}}, {"max", {1, 1, 1}}},
+                      {{"type", "sphere"}, {"center", {0, 0, 0}}, {"radius", 1}}};
+  seed("records/run", run.dump());
+  seed(
+      "records/inventory",
+      R"({"schema":"physmas/inventory/1","objects":[{"id":"a","name":"a","scene_role":"subject"}],"rows":[{"object":"a",)"
+      R"("part":"b","name":"b","structural_role":"body","physics_group":"g","expected_labels":["Wood"]}]})");
+
+  seed("physgaussian/defaults", "{}");
+  seed(
+      "physgaussian/whole",
+      R"({"rotation_degree":[90,180],"rotation_axis":[0,2],"material":"foam","E":2e6,"nu":0.3,"density":200,"n_grid":50,)"
+      R"("g":[0,0,-9.8],"sim_area":[-1,1,-1,1,-1,1],"particle_filling":{"max_particles_num":10,"boundary":null},)"
+      R"("boundary_conditions":[{"type":"cuboid","point":[1,1,1],"size":[1,1,1],"velocity":[0,0,0]},)"
+      R"({"type":"surface_collider","point":[1,1,1],"normal":[0,0,1],"surface":"slip","friction":0.1}],"scale":1.0})");
+  return 0;
+}
