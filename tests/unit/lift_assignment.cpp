@@ -5,6 +5,7 @@
 
 #include "lift/assignment.h"
 #include "lift/evidence.h"
+#include "splat/visibility.h"
 #include "scene/neighbors.h"
 
 using namespace physmas;
@@ -90,7 +91,7 @@ TEST_CASE("lift: support runs from 0.45 at the boundary to 1 at the deepest pixe
 }
 
 TEST_CASE("lift: only positive depth inside the image counts") {
-  const std::vector<int32_t> pixels = project_to_pixels(
+  const std::vector<int32_t> pixels = splat::project_to_pixels(
       {{2.5f, 3.5f, 1}, {2.5f, 3.5f, -1}, {-0.1f, 3, 1}, {15.9f, 15.9f, 1}, {16, 3, 1}}, pixel_camera());
   CHECK(pixels == std::vector<int32_t>{3 * kSize + 2, -1, -1, 255, -1});
 }
