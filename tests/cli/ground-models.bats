@@ -97,7 +97,7 @@ PY
   edit_json scene/inventory.json "d['rows'][0]['name'] = 'wheel'"
   edit_json scene/scene.json "d['prompt'] = 'the toy falls'"
   serve good
-  ground --perception "$url" 2>log
+  ground --perception "$url" --log-level info 2>log
   grep -q "masks of toy/ball: no view shows it" log
   # Two texts found (a detection and a mask each), "wheel" and "toy wheel" not, in four views.
   [ "$(wc -l <requests.log)" -eq $((4 + 4 * (2 * 2 + 2))) ]
@@ -138,6 +138,11 @@ json.dump({"images": images, "categories": categories, "annotations": annotation
 PY
   ground --perception masks:masks
   [ -s run/masks.h5 ]
+  rm -r run
+  # A mask of the whole image is taken as it is, and reported.
+  edit_json masks/all.json "d['annotations'][1]['segmentation']['counts'] = [0, sum(d['annotations'][1]['segmentation']['counts'])]"
+  ground --perception masks:masks --log-level info 2>log
+  grep -q "the mask of toy/box in front: it covers the whole image" log
   rm -r run
   edit_json masks/all.json "d['annotations'][1]['segmentation']['counts'][0] += 1"
   fails_with 3 ground --perception masks:masks -- all.json /annotations/1/segmentation/counts
