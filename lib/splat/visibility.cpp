@@ -37,7 +37,10 @@ std::vector<std::vector<uint8_t>> visible_in_views(const Gaussians& gaussians, c
     for (size_t i = 0; i < gaussians.size(); ++i) {
       if (pixels[i] < 0) continue;
       const double depth = camera.to_camera(gaussians.position[i].cast<double>()).z();
-      const double slack = kSlack * renderer.default_near() + gaussians.scale(i).maxCoeff();
+      // The Gaussian's standard deviation along the ray.
+      const Eigen::Vector3f ray = (gaussians.position[i] - camera.center().cast<float>()).normalized();
+      const Eigen::Vector3f along = gaussians.scale(i).asDiagonal() * (gaussians.rotation_matrix(i).transpose() * ray);
+      const double slack = kSlack * renderer.default_near() + along.norm();
       const float surface = image.depth[pixels[i]];
       seen[i] = surface <= 0 || depth <= surface + slack;
     }
