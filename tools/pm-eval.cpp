@@ -215,8 +215,7 @@ int labels(const LabelOptions& options) {
   const Inventory truth_inventory = load_inventory(scene.inventory), inventory = load_inventory(options.inventory);
   const State state = load_state(options.state, &inventory);
   const std::vector<int32_t> truth = eval::load_truth(truth_file, truth_inventory, state.gaussian_count());
-  const eval::LabelAccuracy accuracy =
-      eval::compare_labels(truth_inventory, truth, inventory, state.gaussian_row);
+  const eval::LabelAccuracy accuracy = eval::compare_labels(truth_inventory, truth, inventory, state.gaussian_row);
   Provenance provenance;
   provenance.tool = "pm-eval";
   provenance.options = {{"metric", "labels"}};

@@ -55,8 +55,7 @@ class Models {
     const BackendKind agent = remote::backend_kind(options.agent, {"builtin"});
     const BackendKind perception = remote::backend_kind(options.perception, {"builtin"});
     if (agent == BackendKind::file)
-      throw Error(ExitCode::usage,
-                  "--agent " + one_line(options.agent) + ": expected builtin, a URL, or replay:DIR");
+      throw Error(ExitCode::usage, "--agent " + one_line(options.agent) + ": expected builtin, a URL, or replay:DIR");
     if (perception == BackendKind::file && !names_masks(options.perception)) {
       throw Error(ExitCode::usage, "--perception " + one_line(options.perception) +
                                        ": expected builtin, masks:DIR, a URL, or replay:DIR");
@@ -128,7 +127,7 @@ int ground_scene(Options options) {
   Provenance provenance;
   provenance.tool = "pm-ground";
   provenance.options = {{"agent", agent ? "chat model" : "builtin"},
-                        {"perception", mask_models               ? "detector and segmenter"
+                        {"perception", mask_models              ? "detector and segmenter"
                                        : !source.folder.empty() ? "masks"
                                                                 : "builtin"}};
   provenance.add_input(options.scene);

@@ -86,9 +86,9 @@ std::string label_table(const LabelAccuracy& accuracy) {
       if (accuracy.confusion[t][k] > 0 && accuracy.labels[k] != accuracy.truth[t])
         others += fmt::format(" {} {}", accuracy.labels[k], accuracy.confusion[t][k]);
     }
-    text += fmt::format("{:<28} {:>9} {:>9} {}\n", accuracy.truth[t], count,
-                        count > 0 ? fmt::format("{:.4f}", double(accuracy.right_in_row(t)) / double(count)) : "-",
-                        others);
+    text +=
+        fmt::format("{:<28} {:>9} {:>9} {}\n", accuracy.truth[t], count,
+                    count > 0 ? fmt::format("{:.4f}", double(accuracy.right_in_row(t)) / double(count)) : "-", others);
   }
   return text + fmt::format("row accuracy {:.4f}, object accuracy {:.4f} over {} Gaussians\n", accuracy.row_accuracy,
                             accuracy.object_accuracy, accuracy.gaussians);

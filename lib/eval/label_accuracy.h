@@ -15,9 +15,9 @@ struct LabelAccuracy {
   std::vector<std::string> labels;           // keys of the run's rows, residual ones included
   std::vector<std::vector<long>> confusion;  // [truth][labels] Gaussians
   long gaussians = 0;
-  double row_accuracy = 0;     // share of Gaussians whose label has the true key, 0..1
-  double object_accuracy = 0;  // share of those whose label belongs to the true object
-  long of_row(size_t t) const;       // Gaussians of true row t
+  double row_accuracy = 0;            // share of Gaussians whose label has the true key, 0..1
+  double object_accuracy = 0;         // share of those whose label belongs to the true object
+  long of_row(size_t t) const;        // Gaussians of true row t
   long right_in_row(size_t t) const;  // those of them that got its key
 };
 

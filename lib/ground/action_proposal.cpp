@@ -51,8 +51,8 @@ class Compiler {
   void note(const std::string& text) { plan_.corrections.push_back(where_ + ": " + text); }
 
   Error refused(const char* field, const Json& found, const std::string& expected) const {
-    return remote::provider_error(where_, fmt::format("{}: found {}, expected {}", field, one_line(found.dump(), 120),
-                                                      one_line(expected, 600)));
+    return remote::provider_error(
+        where_, fmt::format("{}: found {}, expected {}", field, one_line(found.dump(), 120), one_line(expected, 600)));
   }
 
   std::string resolve(const char* field, const std::string& text, const Json& found) {
@@ -100,7 +100,9 @@ class Compiler {
       return std::find(words.begin(), words.end(), word) != words.end();
     };
     tokens.erase(std::remove_if(tokens.begin(), tokens.end(),
-                                [&](const std::string& t) { return is_determiner(t) || is_any(t, {",", ".", "and"}); }),
+                                [&](const std::string& t) {
+                                  return is_determiner(t) || is_any(t, {",", ".", "and"});
+                                }),
                  tokens.end());
     bool from = false;
     for (size_t i = 0; i < tokens.size(); ++i) {
@@ -113,7 +115,8 @@ class Compiler {
       } else if (is_any(token, {"viewer", "camera"})) {
         event.directions.push_back(from ? DirectionWord::away : DirectionWord::toward);
       } else if (is_any(token, {"toward", "towards", "to", "into", "onto", "against"}) && i + 1 < tokens.size()) {
-        if (find_direction(tokens[i + 1]) != DirectionWord::none || is_any(tokens[i + 1], {"viewer", "camera"})) continue;
+        if (find_direction(tokens[i + 1]) != DirectionWord::none || is_any(tokens[i + 1], {"viewer", "camera"}))
+          continue;
         const std::string text = json.get<std::string>();
         const size_t at = text.find_last_of(' ');
         const std::string id = at == std::string::npos ? text : text.substr(at + 1);
@@ -166,8 +169,7 @@ class Compiler {
     const double whole = run_.time.duration();
     const Json &start = json.at("start"), &end = json.at("end");
     action.start = start.is_null() ? std::min(range.start, 0.1 * whole) : start.get<double>();
-    if (action.start >= whole)
-      throw refused("start", start, fmt::format("a time before the run's end, {} s", whole));
+    if (action.start >= whole) throw refused("start", start, fmt::format("a time before the run's end, {} s", whole));
     double length = range.end_fraction * whole - range.start;
     if (action.type == ActionType::translation && !action.source.empty())
       length = contact_time(action, geometry_, length);

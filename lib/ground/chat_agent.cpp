@@ -33,10 +33,8 @@ Json described(const Inventory& inventory) {
     json["objects"].push_back({{"id", object.id}, {"name", object.name}, {"scene_role", object.scene_role}});
   for (const InventoryRow& row : inventory.rows) {
     if (row.residual) continue;
-    json["rows"].push_back({{"object", row.object},
-                            {"part", row.part},
-                            {"name", row.name},
-                            {"structural_role", row.structural_role}});
+    json["rows"].push_back(
+        {{"object", row.object}, {"part", row.part}, {"name", row.name}, {"structural_role", row.structural_role}});
   }
   return json;
 }
@@ -160,13 +158,13 @@ Json ChatAgent::propose(const Inventory* registered, Inventory& inventory) {
   return answer;
 }
 
-Queries ChatAgent::plan_perception(Inventory& inventory, const std::vector<std::string>& missed,
-                                   const Queries& tried) {
+Queries ChatAgent::plan_perception(Inventory& inventory, const std::vector<std::string>& missed, const Queries& tried) {
   const std::vector<std::string> keys = missed.empty() ? keys_of(inventory) : missed;
   Json things = Json::array();
   for (const std::string& key : keys) {
     const int o = inventory.find_object(key);
-    Json thing = {{"key", key}, {"name", o >= 0 ? inventory.objects[o].name : inventory.rows[inventory.find_row(key)].name}};
+    Json thing = {{"key", key},
+                  {"name", o >= 0 ? inventory.objects[o].name : inventory.rows[inventory.find_row(key)].name}};
     thing["missed"] = !missed.empty();
     if (const auto query = tried.find(key); query != tried.end()) thing["tried"] = query->second.text;
     things.push_back(thing);
@@ -174,7 +172,8 @@ Queries ChatAgent::plan_perception(Inventory& inventory, const std::vector<std::
   remote::Question question;
   question.name = missed.empty() ? "ground_perception" : "ground_repair";
   question.instructions = remote::prompt_text("ground/perception");
-  question.text = "The views: " + Json(view_names()).dump() + "\nThe keys: " + things.dump() + "\nThe sheet of views follows.";
+  question.text =
+      "The views: " + Json(view_names()).dump() + "\nThe keys: " + things.dump() + "\nThe sheet of views follows.";
   question.images = {splat::encode_png(splat::view_sheet(pictures_))};
   question.schema = "perception_reply";
   question.reject = [&](const Json& answer) { return query_rejection(answer, keys, view_names()); };

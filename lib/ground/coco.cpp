@@ -119,8 +119,8 @@ class Reader {
   void fill_runs(const Json& rle, Mask& mask, const std::string& at) const {
     const Json size = rle.value("size", Json());
     if (size != Json::array({mask.height, mask.width}))
-      throw invalid_field(path_, at + "/size", size, fmt::format("[{}, {}], the view's height and width", mask.height,
-                                                                 mask.width));
+      throw invalid_field(path_, at + "/size", size,
+                          fmt::format("[{}, {}], the view's height and width", mask.height, mask.width));
     const Json counts = rle.value("counts", Json());
     std::vector<uint32_t> runs;
     if (counts.is_string()) {

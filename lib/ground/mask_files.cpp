@@ -98,8 +98,8 @@ void sort_by_name(const std::string& path, const Inventory& inventory, const std
     if (std::find(known.begin(), known.end(), named.name) == known.end())
       meant = find_references(inventory, name_words(named.name));
     if (meant.empty()) {
-      throw invalid_input({path, "/annotations", "the name \"" + one_line(named.name, 80) + "\"",
-                           "one of " + one_line(join(known))});
+      throw invalid_input(
+          {path, "/annotations", "the name \"" + one_line(named.name, 80) + "\"", "one of " + one_line(join(known))});
     }
     if (meant.size() > 1) {
       for (const std::string& key : meant) shared[key] = {named.name, view_names};
@@ -107,7 +107,8 @@ void sort_by_name(const std::string& path, const Inventory& inventory, const std
       continue;
     }
     const int object = inventory.find_object(meant[0]);
-    unite(named.mask, object >= 0 ? all[named.view].objects[object] : all[named.view].rows[inventory.find_row(meant[0])]);
+    unite(named.mask,
+          object >= 0 ? all[named.view].objects[object] : all[named.view].rows[inventory.find_row(meant[0])]);
   }
 }
 
@@ -164,8 +165,8 @@ std::vector<ViewMasks> load_mask_files(const std::string& folder, const Inventor
     throw invalid_input({folder, "", "no masks", "VIEW/OBJECT.png, VIEW/OBJECT/PART.png or COCO JSON"});
   if (!shared.empty()) {
     if (scene.gaussians.empty()) {
-      throw invalid_input({folder, "", "the name \"" + one_line(shared.begin()->second.text, 80) +
-                                           "\", which several things share",
+      throw invalid_input({folder, "",
+                           "the name \"" + one_line(shared.begin()->second.text, 80) + "\", which several things share",
                            "ids or keys as names: " + scene.file + " has no Gaussians to tell them apart by"});
     }
     const GaussianSupport support = support_in_views(load_gaussians(scene.gaussians), views);

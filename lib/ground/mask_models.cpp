@@ -43,9 +43,9 @@ std::vector<Detection> detections_from(const std::map<std::string, remote::Tenso
                                                        "x0 <= x1 and y0 <= y1 in pixels",
                                                        i, b[0], b[1], b[2], b[3]));
     }
-    Detection d{std::clamp(b[0], 0.0, double(width)),  std::clamp(b[1], 0.0, double(height)),
-                std::clamp(b[2], 0.0, double(width)),  std::clamp(b[3], 0.0, double(height)),
-                score_at(scores, i, source), phrases.texts[i]};
+    Detection d{std::clamp(b[0], 0.0, double(width)), std::clamp(b[1], 0.0, double(height)),
+                std::clamp(b[2], 0.0, double(width)), std::clamp(b[3], 0.0, double(height)),
+                score_at(scores, i, source),          phrases.texts[i]};
     if (d.score >= kBoxThreshold && area_of(d) > 0) all.push_back(std::move(d));
   }
   std::stable_sort(all.begin(), all.end(), [](const Detection& a, const Detection& b) { return a.score > b.score; });

@@ -50,8 +50,8 @@ class ModelSearch {
       }
       for (const std::string& text : texts) {
         if (found_[v].count(text) > 0) continue;
-        found_[v][text] = models_.find(fmt::format("{}_{}", view.name, ++asked_[v]), pngs_[v], text,
-                                       view.camera.width, view.camera.height);
+        found_[v][text] = models_.find(fmt::format("{}_{}", view.name, ++asked_[v]), pngs_[v], text, view.camera.width,
+                                       view.camera.height);
       }
     }
     return assign_instances(inventory, queries, found_, scene_.views, support_);
@@ -126,16 +126,16 @@ Perception perceive(const Scene& scene, Inventory& inventory, const std::vector<
   if (!source.folder.empty()) {
     perception.views = load_mask_files(source.folder, inventory, scene, perception.files);
   } else {
-    Queries queries = source.agent != nullptr ? source.agent->plan_perception(inventory, {}, {})
-                                              : queries_of(inventory, names);
+    Queries queries =
+        source.agent != nullptr ? source.agent->plan_perception(inventory, {}, {}) : queries_of(inventory, names);
     std::optional<ModelSearch> search;
     if (source.models != nullptr) {
       search.emplace(scene, pictures, *source.models);
       perception.files.push_back(scene.gaussians);
     }
     const auto attempt = [&] {
-      perception.views = search ? search->find(inventory, queries)
-                                : segment_views(images, inventory, scene.run.render.background);
+      perception.views =
+          search ? search->find(inventory, queries) : segment_views(images, inventory, scene.run.render.background);
     };
     attempt();
     const std::vector<std::string> missed = without_support(inventory, perception.views);

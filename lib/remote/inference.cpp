@@ -131,14 +131,12 @@ std::map<std::string, Tensor> InferenceClient::infer(const std::string& name, co
   for (const InputTensor& input : inputs) {
     Json tensor = {
         {"name", input.name}, {"shape", input.shape}, {"datatype", input.numbers.empty() ? "BYTES" : "FP32"}};
-    if (input.numbers.empty())
-      tensor["parameters"] = {{"content_type", input.png_files.empty() ? "str" : "base64"}};
+    if (input.numbers.empty()) tensor["parameters"] = {{"content_type", input.png_files.empty() ? "str" : "base64"}};
     tensor["data"] = Json::array();
     for (const double number : input.numbers) tensor["data"].push_back(number);
     for (const std::string& text : input.texts) tensor["data"].push_back(text);
     for (const std::string& png : input.png_files) {
-      const std::string place =
-          fmt::format("/inputs/{}/data/{}", request.body["inputs"].size(), tensor["data"].size());
+      const std::string place = fmt::format("/inputs/{}/data/{}", request.body["inputs"].size(), tensor["data"].size());
       tensor["data"].push_back("");
       request.attachments.push_back({place, "", png, "png"});
     }

@@ -134,6 +134,6 @@ TEST_CASE("ground: COCO's text of runs") {
   CHECK(runs_from_text("6320004") == runs);
   CHECK(runs_from_text("Xo0d0\\h0000dlP3") == std::vector<uint32_t>{1000, 20, 780, 20, 780, 20, 100000});
   CHECK(runs_from_text("6").size() == 1);
-  CHECK(runs_from_text("\x7f").empty());     // beyond six bits
+  CHECK(runs_from_text("\x7f").empty());       // beyond six bits
   CHECK(runs_from_text("ooooooooo").empty());  // a number that does not end
 }
