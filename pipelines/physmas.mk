@@ -7,6 +7,8 @@
 #              AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
 #   SCENE      a scene.json                                 -> used where it lies
 # SET      run settings that win over the scene's: SET="screening.tau=0.6 time.frames=20"
+# SCENE_AGENT  who proposes inventory and plan: builtin, the URL of a chat server (with MODEL), or replay:DIR  -> pm-ground --agent
+# PERCEPTION   who makes masks: builtin, the URL of an inference server, or replay:DIR                    -> pm-ground --perception
 # AGENT    who looks at the rows: builtin, the URL of a chat server (with MODEL), or replay:DIR    -> pm-material --agent
 # PREDICTOR  none, the URL of an inference server, replay:DIR, or a file of records          -> pm-material --predictor
 # AUTHORED a file of authored material records                                               -> pm-material --authored
@@ -50,6 +52,7 @@ endef
 REQUEST := $(foreach v,EXAMPLE GAUSSIANS PROMPT UP INVENTORY MASKS VIEWS CAMERAS SPEC PHYSGAUSSIAN OPACITY CROP DROP AZIMUTH \
   ELEVATION,$(v)=$(value $(v))$(newline))
 SETTINGS := $(value SET)
+GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL),$(v)=$(value $(v))$(newline))
 MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))
 # Through the environment, so that quotes and dollar signs in a prompt reach the tool as they were typed.
 export PM_PROMPT := $(value PROMPT)
@@ -63,11 +66,14 @@ ifeq ($(PHASE),0)
   ifneq (x$(strip $(file <$(RUN)/settings)),$(if $(wildcard $(RUN)/settings),x)$(strip $(SETTINGS)))
     $(file >$(RUN)/settings,$(SETTINGS))
   endif
+  ifneq (x$(strip $(file <$(RUN)/ground-models)),$(if $(wildcard $(RUN)/ground-models),x)$(strip $(GROUND_MODELS)))
+    $(file >$(RUN)/ground-models,$(GROUND_MODELS))
+  endif
   ifneq (x$(strip $(file <$(RUN)/models)),$(if $(wildcard $(RUN)/models),x)$(strip $(MODELS)))
     $(file >$(RUN)/models,$(MODELS))
   endif
 endif
-$(RUN)/request $(RUN)/settings $(RUN)/models: ;
+$(RUN)/request $(RUN)/settings $(RUN)/ground-models $(RUN)/models: ;
 
 # --- The bundle ---------------------------------------------------------------------------------------------------
 
@@ -106,10 +112,14 @@ $(SLICES): $(STAMPS)/spec ;
 
 # --- Scene agent, lifting, material agent -------------------------------------------------------------------------
 
+# Recorded exchanges and files of records are inputs, as a server is not.
+replayed = $(wildcard $(patsubst replay:%,%/*.json,$(filter replay:%,$(1))))
 GROUNDED := $(RUN)/inventory.json $(RUN)/plan.json $(RUN)/masks.h5
-$(STAMPS)/ground: $(RUN)/spec/ground.json $(call missing,$(GROUNDED)) | $(BIN)/pm-ground
+$(STAMPS)/ground: $(RUN)/spec/ground.json $(RUN)/ground-models $(call replayed,$(SCENE_AGENT)) $(call replayed,$(PERCEPTION)) \
+                  $(call missing,$(GROUNDED)) | $(BIN)/pm-ground
 	$(call stage,ground,$(RUN)/inventory.json)
-	@$(BIN)/pm-ground --scene $< --out $(RUN) $(tool_threads)
+	@$(BIN)/pm-ground --scene $< --out $(RUN) $(if $(SCENE_AGENT),--agent "$(SCENE_AGENT)" $(if $(MODEL),--model "$(MODEL)")) \
+	  $(if $(PERCEPTION),--perception "$(PERCEPTION)") $(tool_threads)
 	$(finish)
 $(GROUNDED): $(STAMPS)/ground ;
 
@@ -119,8 +129,6 @@ $(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(ca
 	$(finish)
 $(RUN)/state.h5: $(STAMPS)/lift ;
 
-# Recorded exchanges and files of records are inputs, as a server is not.
-replayed = $(wildcard $(patsubst replay:%,%/*.json,$(filter replay:%,$(1))))
 MATERIAL_INPUTS := $(call replayed,$(AGENT)) $(call replayed,$(PREDICTOR)) $(wildcard $(AUTHORED) $(filter-out replay:%,$(PREDICTOR)))
 $(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks.h5 $(RUN)/state.h5 $(RUN)/models \
                     $(MATERIAL_INPUTS) $(call missing,$(RUN)/evidence.json) | $(BIN)/pm-material

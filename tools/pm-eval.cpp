@@ -10,6 +10,7 @@
 #include "candidate/timestep.h"
 #include "eval/accuracy_report.h"
 #include "eval/gaussian_tracks.h"
+#include "eval/label_accuracy.h"
 #include "eval/motion.h"
 #include "eval/stability_report.h"
 #include "eval/verification.h"
@@ -202,6 +203,39 @@ CLI::App* add_stability(CLI::App& app, StabilityOptions& options) {
   return command;
 }
 
+struct LabelOptions {
+  std::string scene, inventory, state, out;
+};
+
+int labels(const LabelOptions& options) {
+  const Scene scene = load_scene(options.scene, SceneNeeds());
+  if (scene.inventory.empty())
+    throw invalid_input({options.scene, "/inventory", "none", "the inventory of a scene that pm-scene synthesised"});
+  const std::string truth_file = scene.root + "/truth.h5";
+  const Inventory truth_inventory = load_inventory(scene.inventory), inventory = load_inventory(options.inventory);
+  const State state = load_state(options.state, &inventory);
+  const std::vector<int32_t> truth = eval::load_truth(truth_file, truth_inventory, state.gaussian_count());
+  const eval::LabelAccuracy accuracy = eval::compare_labels(truth_inventory, truth, inventory, state.gaussian_row);
+  Provenance provenance;
+  provenance.tool = "pm-eval";
+  provenance.options = {{"metric", "labels"}};
+  for (const std::string& input : {truth_file, scene.inventory, options.inventory, options.state})
+    provenance.add_input(input);
+  eval::save_label_accuracy(options.out, accuracy, provenance);
+  fmt::print("{}", eval::label_table(accuracy));
+  return 0;
+}
+
+CLI::App* add_labels(CLI::App& app, LabelOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("labels", "Row labels of a synthesised scene against its truth, with a confusion table");
+  command->add_option("--scene", options.scene, "scene.json of the bundle, with truth.h5 beside it")->required();
+  command->add_option("--inventory", options.inventory, "inventory.json of pm-ground")->required();
+  command->add_option("--state", options.state, "state.h5 of pm-lift")->required();
+  command->add_option("--out", options.out, "Record to write (JSON)")->required();
+  return command;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -209,6 +243,8 @@ int main(int argc, char** argv) {
   VerificationOptions verification_options;
   AccuracyOptions accuracy_options;
   StabilityOptions stability_options;
+  LabelOptions label_options;
+  CLI::App* label_command = nullptr;
   CLI::App *verification_command = nullptr, *accuracy_command = nullptr, *stability_command = nullptr;
   return run_tool(
       argc, argv,
@@ -233,9 +269,11 @@ int main(int argc, char** argv) {
          verification_command = add_verification(app, verification_options);
          accuracy_command = add_accuracy(app, accuracy_options);
          stability_command = add_stability(app, stability_options);
+         label_command = add_labels(app, label_options);
          app.require_subcommand(1);
        },
        [&](const CommonOptions& common) {
+         if (label_command->parsed()) return labels(label_options);
          if (accuracy_command->parsed()) return accuracy(accuracy_options, common.threads);
          if (verification_command->parsed()) return verification(verification_options);
          if (stability_command->parsed()) return stability(stability_options, common.threads);

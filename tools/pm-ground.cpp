@@ -1,11 +1,16 @@
 // pm-ground: the scene agent. A prompt and four calibrated views in; inventory, plan and masks out.
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 
 #include "base/command_line.h"
 #include "base/error.h"
+#include "base/file.h"
 #include "base/log.h"
+#include "ground/action_proposal.h"
+#include "ground/chat_agent.h"
 #include "ground/one_part.h"
 #include "ground/perception.h"
 #include "ground/scene_geometry.h"
@@ -14,50 +19,126 @@
 #include "records/inventory.h"
 #include "records/masks.h"
 #include "records/plan.h"
+#include "remote/http.h"
 #include "scene/scene.h"
 
 using namespace physmas;
+using remote::BackendKind;
 
 namespace {
 
 struct Options {
-  std::string scene, out, agent = "builtin", perception = "builtin";
+  std::string scene, out, model, agent = "builtin", perception = "builtin";
+  std::string detector = "grounding-dino", segmenter = "sam2";
+  remote::RemoteOptions remote;
 };
 
-// The folder of "masks:DIR", the bundle's own masks, or nothing for the built-in segmenter.
-std::string mask_folder(const Options& options, const Scene& scene) {
-  if (options.agent != "builtin")
-    throw Error(ExitCode::usage, "--agent " + options.agent + ": not built yet, expected builtin");
-  if (options.perception.rfind("masks:", 0) == 0 && options.perception.size() > 6) return options.perception.substr(6);
-  if (options.perception != "builtin")
-    throw Error(ExitCode::usage,
-                "--perception " + options.perception + ": not built yet, expected builtin or masks:DIR");
-  return scene.masks;
+const std::string kMasks = "masks:";
+
+bool names_masks(const std::string& perception) {
+  return perception.rfind(kMasks, 0) == 0 && perception.size() > kMasks.size();
 }
 
-int ground_scene(const Options& options) {
-  const Scene scene = load_scene(options.scene, {true, false, true, false});
-  const std::string folder = mask_folder(options, scene);
+// The address of model `name`: below the given path, or below /v2/models.
+std::unique_ptr<remote::Backend> open_model(const Options& options, const std::string& name) {
+  if (remote::backend_kind(options.perception, {}) == BackendKind::recorded)
+    return remote::open_backend(options.perception, "--perception", "", options.remote);
+  const remote::Url url = remote::parse_url(options.perception, "--perception");
+  const std::string path = url.path.empty() ? "/v2/models" : url.path;
+  return remote::open_backend(url.origin + path + "/" + name, "--perception", "", options.remote);
+}
+
+// The models that the flags name, opened before anything is asked: a wrong flag should not cost an answer.
+class Models {
+ public:
+  explicit Models(const Options& options) {
+    const BackendKind agent = remote::backend_kind(options.agent, {"builtin"});
+    const BackendKind perception = remote::backend_kind(options.perception, {"builtin"});
+    if (agent == BackendKind::file)
+      throw Error(ExitCode::usage, "--agent " + one_line(options.agent) + ": expected builtin, a URL, or replay:DIR");
+    if (perception == BackendKind::file && !names_masks(options.perception)) {
+      throw Error(ExitCode::usage, "--perception " + one_line(options.perception) +
+                                       ": expected builtin, masks:DIR, a URL, or replay:DIR");
+    }
+    if (agent != BackendKind::builtin) {
+      agent_ = remote::open_backend(options.agent, "--agent", "/v1", options.remote);
+      chat.emplace(*agent_, options.model);
+    }
+    if (perception == BackendKind::remote || perception == BackendKind::recorded) {
+      detector_ = open_model(options, options.detector);
+      segmenter_ = open_model(options, options.segmenter);
+    }
+  }
+
+  // Empty where the built-in agent or perception, or mask files, are asked for.
+  std::optional<remote::ChatClient> chat;
+  bool has_perception() const { return detector_ != nullptr; }
+  // Asks both models whether they are ready.
+  ground::MaskModels perception() const { return {*detector_, *segmenter_}; }
+
+  std::vector<ExchangeReference> exchanges() const {
+    std::vector<ExchangeReference> all;
+    for (const remote::Backend* backend : {agent_.get(), detector_.get(), segmenter_.get()}) {
+      if (backend != nullptr) all.insert(all.end(), backend->exchanges().begin(), backend->exchanges().end());
+    }
+    return all;
+  }
+
+ private:
+  std::unique_ptr<remote::Backend> agent_, detector_, segmenter_;
+};
+
+int ground_scene(Options options) {
+  if (options.remote.exchanges.empty())
+    options.remote.exchanges = (std::filesystem::path(options.out) / "exchanges").string();
+  Models models(options);
+  const Scene scene = load_scene(options.scene, {true, models.has_perception(), true, false});
   std::vector<std::string> view_names;
   for (const SceneView& view : scene.views) view_names.push_back(view.name);
-  Inventory inventory =
-      scene.inventory.empty() ? ground::inventory_from_prompt(scene.prompt) : load_inventory(scene.inventory);
+  std::optional<ground::MaskModels> mask_models;
+  if (models.has_perception()) mask_models.emplace(models.perception());
+
+  std::vector<splat::ViewPicture> pictures;
+  if (models.chat || mask_models) pictures = splat::load_view_pictures(scene);
+  std::optional<ground::ChatAgent> agent;
+  std::optional<Inventory> registered;
+  if (!scene.inventory.empty()) registered = load_inventory(scene.inventory);
+  Inventory inventory;
+  Json proposal;
+  if (models.chat) {
+    agent.emplace(*models.chat, scene, pictures);
+    proposal = agent->propose(registered ? &*registered : nullptr, inventory);
+  } else {
+    inventory = registered ? *registered : ground::inventory_from_prompt(scene.prompt);
+  }
   ground::complete_inventory(inventory, view_names, scene.inventory);
-  ground::Perception perception = ground::perceive(scene, inventory, folder);
+
+  ground::MaskSource source;
+  if (names_masks(options.perception)) source.folder = options.perception.substr(kMasks.size());
+  if (options.perception == "builtin") source.folder = scene.masks;
+  source.models = mask_models ? &*mask_models : nullptr;
+  source.agent = agent ? &*agent : nullptr;
+  ground::Perception perception = ground::perceive(scene, inventory, pictures, source);
   const ground::SceneGeometry geometry = ground::measure_scene(scene, inventory, perception.views);
-  Plan plan = ground::plan_from_prompt(scene.prompt, inventory, geometry, scene.run, scene.file);
+  Plan plan = agent ? ground::compile_proposal(proposal, scene.prompt, inventory, geometry, scene.run)
+                    : ground::plan_from_prompt(scene.prompt, inventory, geometry, scene.run, scene.file);
   if (!scene.run.ablation.object_part_state) ground::collapse_parts(inventory, perception.views, plan);
 
   Provenance provenance;
   provenance.tool = "pm-ground";
-  provenance.options = {{"agent", options.agent}, {"perception", folder.empty() ? "builtin" : "masks"}};
+  provenance.options = {{"agent", agent ? "chat model" : "builtin"},
+                        {"perception", mask_models              ? "detector and segmenter"
+                                       : !source.folder.empty() ? "masks"
+                                                                : "builtin"}};
   provenance.add_input(options.scene);
   if (!scene.inventory.empty()) provenance.add_input(scene.inventory);
   for (const std::string& file : perception.files) provenance.add_input(file);
   const std::filesystem::path out = options.out;
-  save_inventory((out / "inventory.json").string(), inventory, {}, provenance);
+  const std::vector<Omission> rejected = agent ? agent->rejected() : std::vector<Omission>();
+  save_inventory((out / "inventory.json").string(), inventory, rejected, provenance, models.exchanges());
   save_masks((out / "masks.h5").string(), inventory, perception.views, perception.omitted, provenance);
   save_plan((out / "plan.json").string(), plan, provenance);
+  for (const Omission& omission : rejected) log_info(omission.what + ": " + omission.why);
   for (const Omission& omission : perception.omitted) log_info(omission.what + ": " + omission.why);
   for (const std::string& correction : plan.corrections) log_info(correction);
   return static_cast<int>(ExitCode::done);
@@ -72,17 +153,28 @@ int main(int argc, char** argv) {
   tool.description = "Find the objects and parts of a scene in its four views, and make the prompt a plan of actions.";
   tool.footer =
       "Example: pm-ground --scene bundle/scene.json --out runs/cake\n"
+      "         pm-ground --scene bundle/scene.json --out runs/cake --agent http://localhost:8000/v1 --model qwen3-vl\n"
       "Reads scene.json (or its slice), the views, an authored inventory and masks; writes inventory.json, plan.json "
-      "and "
-      "masks.h5 into --out.";
+      "and masks.h5 into --out and, with a model server, exchanges/NAME.json (physmas/exchange).\n"
+      "The key for a model server is read from the environment variable PM_API_KEY and written nowhere.";
   tool.options = [&](CLI::App& app) {
     app.add_option("--scene", options.scene, "Scene bundle, or its slice for this stage")->required();
     app.add_option("--out", options.out, "Folder for the three records")->required();
-    app.add_option("--agent", options.agent, "builtin: authored inventory, lexical plan")->capture_default_str();
+    app.add_option("--agent", options.agent,
+                   "builtin (authored inventory, lexical plan), the URL of an OpenAI-compatible server "
+                   "(http://localhost:8000/v1), or replay:DIR")
+        ->capture_default_str()
+        ->type_name("builtin|URL|replay:DIR");
+    app.add_option("--model", options.model, "Name of the chat model on that server")->type_name("NAME");
     app.add_option("--perception", options.perception,
-                   "builtin: the bundle's masks, else by appearance hints; masks:DIR: VIEW/OBJECT.png, "
-                   "VIEW/OBJECT/PART.png")
-        ->capture_default_str();
+                   "builtin (the bundle's masks, else by appearance hints), masks:DIR (VIEW/OBJECT.png, "
+                   "VIEW/OBJECT/PART.png, COCO JSON), the URL of an Open Inference Protocol server "
+                   "(http://localhost:8001), or replay:DIR")
+        ->capture_default_str()
+        ->type_name("builtin|masks:DIR|URL|replay:DIR");
+    app.add_option("--detector", options.detector, "Name of the detector on that server")->capture_default_str();
+    app.add_option("--segmenter", options.segmenter, "Name of the segmenter on that server")->capture_default_str();
+    remote::add_remote_options(app, options.remote);
   };
   tool.work = [&](const CommonOptions&) { return ground_scene(options); };
   return run_tool(argc, argv, tool);

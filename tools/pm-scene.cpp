@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> settings;
   std::vector<double> crop;
   splat::ImportOptions import;
+  bool true_masks = false;
   CLI::App *synth_command = nullptr, *import_command = nullptr, *slice_command = nullptr, *info_command = nullptr;
 
   ToolMain tool;
@@ -28,6 +29,7 @@ int main(int argc, char** argv) {
     synth_command = app.add_subcommand("synth", "A bundle from a scene described by primitives");
     synth_command->add_option("EXAMPLE", example, "The description (docs/scenes.md)")->required();
     synth_command->add_option("--out", folder, "Folder of the bundle")->required();
+    synth_command->add_flag("--true-masks", true_masks, "Also write the true masks, true-masks/VIEW/OBJECT/PART.png");
 
     import_command = app.add_subcommand("import", "A bundle from a file of 3D Gaussians");
     import_command->add_option("FILE", import.gaussians, "3DGS .ply, SuperSplat .compressed.ply, .spz, or .splat")
@@ -80,7 +82,7 @@ int main(int argc, char** argv) {
   tool.work = [&](const CommonOptions&) {
     import.folder = folder;
     if (!crop.empty()) import.selection.crop = crop_box(crop, "--crop");
-    if (synth_command->parsed()) splat::write_synth_bundle(example, folder);
+    if (synth_command->parsed()) splat::write_synth_bundle(example, folder, true_masks);
     if (import_command->parsed()) splat::write_import_bundle(import);
     if (slice_command->parsed()) write_slices(scene, run_overrides(overrides_file, settings), folder);
     if (info_command->parsed()) print_report(described);

@@ -1,5 +1,7 @@
 #include "ground/action_values.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -52,6 +54,17 @@ double wanted_magnitude(const Event& event, ActionType type) {
   }
   if (event.speed && type != ActionType::torque) return *event.speed;
   return range.magnitude * event.strength;
+}
+
+double bounded_magnitude(ActionType type, double wanted, std::vector<std::string>& corrections) {
+  const ActionRange range = range_of(type);
+  const double magnitude = std::min(std::max(wanted, range.min), range.max);
+  if (magnitude != wanted && type != ActionType::support_hold) {
+    const char* unit = magnitude_unit(type);
+    corrections.push_back(fmt::format("{} of {}{} brought to {}{} (bounds {}..{})", action_name(type), wanted, unit,
+                                      magnitude, unit, range.min, range.max));
+  }
+  return magnitude;
 }
 
 double contact_time(const PlanAction& action, const SceneGeometry& geometry, double otherwise) {

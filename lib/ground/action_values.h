@@ -2,6 +2,9 @@
 #ifndef PHYSMAS_GROUND_ACTION_VALUES_H
 #define PHYSMAS_GROUND_ACTION_VALUES_H
 
+#include <string>
+#include <vector>
+
 #include "ground/prompt.h"
 #include "ground/scene_geometry.h"
 #include "records/plan.h"
@@ -17,6 +20,12 @@ Eigen::Vector3d own_direction(const Event& event, ActionType type, const SceneGe
 
 // The default of the action under the event's strength, or the speed it says; not bounded yet.
 double wanted_magnitude(const Event& event, ActionType type);
+
+// Impulses are "capped at four base substeps" (paper, Table "actions").
+constexpr double kImpulseSubsteps = 4;
+
+// `wanted` within the action's bounds; what was changed is added to `corrections`. A support_hold has none.
+double bounded_magnitude(ActionType type, double wanted, std::vector<std::string>& corrections);
 
 // How long a mover is driven [s]: over the free gap and a part of the target's depth; `otherwise` where the masks do
 // not tell.

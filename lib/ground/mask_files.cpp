@@ -8,6 +8,11 @@
 #include <set>
 
 #include "base/error.h"
+#include "ground/coco.h"
+#include "ground/instances.h"
+#include "ground/reference.h"
+#include "ground/words.h"
+#include "scene/gaussian_files.h"
 #include "scene/image.h"
 #include "splat/image_io.h"
 
@@ -72,10 +77,53 @@ void complete_object(const Inventory& inventory, size_t o, ViewMasks& masks) {
   }
 }
 
+void unite(const Mask& mask, Mask& with) {
+  if (with.empty()) {
+    with = mask;
+    return;
+  }
+  const double a = static_cast<double>(mask.area()), b = static_cast<double>(with.area());
+  with.confidence = (a * mask.confidence + b * with.confidence) / (a + b);
+  for (size_t p = 0; p < mask.pixels.size(); ++p) with.pixels[p] |= mask.pixels[p];
+}
+
+// Masks with names of one COCO file: those that one thing can mean go into `all`, the rest into `found`.
+void sort_by_name(const std::string& path, const Inventory& inventory, const std::vector<SceneView>& views,
+                  std::vector<ViewMasks>& all, FoundMasks& found, Queries& shared) {
+  std::vector<std::string> view_names;
+  for (const SceneView& view : views) view_names.push_back(view.name);
+  const std::vector<std::string> known = all_references(inventory);
+  for (NamedMask& named : load_coco(path, views)) {
+    std::vector<std::string> meant = {named.name};
+    if (std::find(known.begin(), known.end(), named.name) == known.end())
+      meant = find_references(inventory, name_words(named.name));
+    if (meant.empty()) {
+      throw invalid_input(
+          {path, "/annotations", "the name \"" + one_line(named.name, 80) + "\"", "one of " + one_line(join(known))});
+    }
+    if (meant.size() > 1) {
+      for (const std::string& key : meant) shared[key] = {named.name, view_names};
+      found[named.view][named.name].push_back(std::move(named.mask));
+      continue;
+    }
+    const int object = inventory.find_object(meant[0]);
+    unite(named.mask,
+          object >= 0 ? all[named.view].objects[object] : all[named.view].rows[inventory.find_row(meant[0])]);
+  }
+}
+
 }  // namespace
 
-std::vector<ViewMasks> load_mask_files(const std::string& folder, const Inventory& inventory,
-                                       const std::vector<SceneView>& views, std::vector<std::string>& files) {
+void complete_objects(const Inventory& inventory, ViewMasks& masks) {
+  for (size_t o = 0; o < inventory.objects.size(); ++o) complete_object(inventory, o, masks);
+}
+
+std::vector<ViewMasks> load_mask_files(const std::string& folder, const Inventory& inventory, const Scene& scene,
+                                       std::vector<std::string>& files) {
+  const std::vector<SceneView>& views = scene.views;
+  const size_t files_before = files.size();
+  FoundMasks found(views.size());
+  Queries shared;
   std::vector<ViewMasks> all;
   for (const SceneView& view : views) {
     ViewMasks masks;
@@ -89,9 +137,14 @@ std::vector<ViewMasks> load_mask_files(const std::string& folder, const Inventor
     files.push_back(path.string());
   };
   for (const fs::path& view_folder : entries_of(folder)) {
+    if (view_folder.extension() == ".json") {
+      sort_by_name(view_folder.string(), inventory, views, all, found, shared);
+      files.push_back(view_folder.string());
+      continue;
+    }
     const auto view = std::find_if(views.begin(), views.end(),
                                    [&](const SceneView& s) { return s.name == view_folder.filename().string(); });
-    if (view == views.end()) throw unknown(view_folder, "folders named after the scene's views");
+    if (view == views.end()) throw unknown(view_folder, "folders named after the scene's views, or COCO JSON");
     const size_t v = view - views.begin();
     for (const fs::path& entry : entries_of(view_folder)) {
       const int object = inventory.find_object(entry.stem().string());
@@ -108,10 +161,18 @@ std::vector<ViewMasks> load_mask_files(const std::string& folder, const Inventor
       }
     }
   }
-  if (files.empty()) throw invalid_input({folder, "", "no masks", "VIEW/OBJECT.png or VIEW/OBJECT/PART.png"});
-  for (ViewMasks& masks : all) {
-    for (size_t o = 0; o < inventory.objects.size(); ++o) complete_object(inventory, o, masks);
+  if (files.size() == files_before)
+    throw invalid_input({folder, "", "no masks", "VIEW/OBJECT.png, VIEW/OBJECT/PART.png or COCO JSON"});
+  if (!shared.empty()) {
+    if (scene.gaussians.empty()) {
+      throw invalid_input({folder, "",
+                           "the name \"" + one_line(shared.begin()->second.text, 80) + "\", which several things share",
+                           "ids or keys as names: " + scene.file + " has no Gaussians to tell them apart by"});
+    }
+    const GaussianSupport support = support_in_views(load_gaussians(scene.gaussians), views);
+    return assign_instances(inventory, shared, found, views, support, std::move(all));
   }
+  for (ViewMasks& masks : all) complete_objects(inventory, masks);
   return all;
 }
 

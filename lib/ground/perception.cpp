@@ -1,51 +1,156 @@
 #include "ground/perception.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 #include "base/error.h"
 #include "ground/mask_files.h"
+#include "ground/reference.h"
 #include "ground/segment.h"
+#include "ground/words.h"
+#include "scene/gaussian_files.h"
+#include "splat/image_io.h"
 
 namespace physmas::ground {
+namespace {
 
-Perception perceive(const Scene& scene, const Inventory& inventory, const std::string& mask_folder) {
-  Perception perception;
-  std::vector<ViewImage> images;
-  for (const SceneView& view : scene.views) {
-    images.push_back(load_view_image(view));
-    perception.files.push_back(view.image);
-  }
-  if (!mask_folder.empty()) {
-    perception.views = load_mask_files(mask_folder, inventory, scene.views, perception.files);
-  } else {
-    perception.views.resize(images.size());
-    // OpenCV fills its CIELAB tables on first use, without a lock: one conversion before the threads start.
-    cv::Mat pixel(1, 1, CV_8UC3, cv::Scalar::all(0));
-    cv::cvtColor(pixel, pixel, cv::COLOR_RGB2Lab);
+// Two objects whose masks share more than this of their union are one thing, or one of the masks is wrong.
+constexpr double kSameMask = 0.95;
+
+std::vector<ViewMasks> segment_views(const std::vector<ViewImage>& images, const Inventory& inventory,
+                                     const Eigen::Vector3d& background) {
+  std::vector<ViewMasks> views(images.size());
+  // OpenCV fills its CIELAB tables on first use, without a lock: one conversion before the threads start.
+  cv::Mat pixel(1, 1, CV_8UC3, cv::Scalar::all(0));
+  cv::cvtColor(pixel, pixel, cv::COLOR_RGB2Lab);
 #pragma omp parallel for schedule(dynamic)
-    for (size_t v = 0; v < images.size(); ++v)
-      perception.views[v] = segment_view(images[v], inventory, scene.run.render.background);
+  for (size_t v = 0; v < images.size(); ++v) views[v] = segment_view(images[v], inventory, background);
+  return views;
+}
+
+// What the models find, asked text by text and remembered, so that a second attempt asks for new texts only.
+class ModelSearch {
+ public:
+  ModelSearch(const Scene& scene, const std::vector<splat::ViewPicture>& pictures, MaskModels& models)
+      : scene_(scene), models_(models), found_(pictures.size()), asked_(pictures.size(), 0) {
+    for (const splat::ViewPicture& picture : pictures) pngs_.push_back(splat::encode_png(picture.rgb));
+    support_ = support_in_views(load_gaussians(scene.gaussians), scene.views);
   }
-  const auto shown = [&](const auto& mask_of) {
-    return std::any_of(perception.views.begin(), perception.views.end(),
-                       [&](const ViewMasks& view) { return !mask_of(view).empty(); });
+
+  std::vector<ViewMasks> find(const Inventory& inventory, const Queries& queries) {
+    for (size_t v = 0; v < scene_.views.size(); ++v) {
+      const SceneView& view = scene_.views[v];
+      std::set<std::string> texts;
+      for (const auto& [key, query] : queries) {
+        const bool here = std::find(query.views.begin(), query.views.end(), view.name) != query.views.end();
+        if (here && !is_only_part(inventory, key)) texts.insert(query.text);
+      }
+      for (const std::string& text : texts) {
+        if (found_[v].count(text) > 0) continue;
+        found_[v][text] = models_.find(fmt::format("{}_{}", view.name, ++asked_[v]), pngs_[v], text, view.camera.width,
+                                       view.camera.height);
+      }
+    }
+    return assign_instances(inventory, queries, found_, scene_.views, support_);
+  }
+
+ private:
+  // The only part of an object has the object's mask.
+  static bool is_only_part(const Inventory& inventory, const std::string& key) {
+    const int r = inventory.find_row(key);
+    return r >= 0 && std::count_if(inventory.rows.begin(), inventory.rows.end(), [&](const InventoryRow& row) {
+                       return !row.residual && row.object == inventory.rows[r].object;
+                     }) == 1;
+  }
+
+  const Scene& scene_;
+  MaskModels& models_;
+  FoundMasks found_;
+  std::vector<int> asked_;
+  std::vector<std::string> pngs_;
+  GaussianSupport support_;
+};
+
+void report_suspects(const Inventory& inventory, const ViewMasks& view, std::vector<Omission>& omitted) {
+  const auto is_everything = [](const Mask& mask) {
+    return !mask.empty() && mask.area() == static_cast<long>(mask.pixels.size());
   };
-  bool anything = false;
-  for (size_t o = 0; o < inventory.objects.size(); ++o) {
-    const bool seen = shown([&](const ViewMasks& view) -> const Mask& { return view.objects[o]; });
-    anything = anything || seen;
-    if (!seen) perception.omitted.push_back({"masks of " + inventory.objects[o].id, "no view shows it"});
-  }
   for (size_t r = 0; r < inventory.rows.size(); ++r) {
-    if (inventory.rows[r].residual) continue;
-    if (!shown([&](const ViewMasks& view) -> const Mask& { return view.rows[r]; })) {
-      perception.omitted.push_back(
-          {"masks of " + inventory.rows[r].key(), inventory.rows[r].hints.empty() && mask_folder.empty()
-                                                      ? "it has no hints and its object has other rows"
-                                                      : "no view shows it"});
+    if (is_everything(view.rows[r]))
+      omitted.push_back({fmt::format("doubt about the mask of {} in {}", inventory.rows[r].key(), view.view),
+                         "it covers the whole image"});
+  }
+  for (size_t a = 0; a < inventory.objects.size(); ++a) {
+    for (size_t b = a + 1; b < inventory.objects.size(); ++b) {
+      const Mask &x = view.objects[a], &y = view.objects[b];
+      if (x.empty() || y.empty()) continue;
+      long both = 0, either = 0;
+      for (size_t p = 0; p < x.pixels.size(); ++p) {
+        both += x.pixels[p] != 0 && y.pixels[p] != 0;
+        either += x.pixels[p] != 0 || y.pixels[p] != 0;
+      }
+      if (static_cast<double>(both) > kSameMask * static_cast<double>(either))
+        omitted.push_back({fmt::format("doubt about the masks of {} and {} in {}", inventory.objects[a].id,
+                                       inventory.objects[b].id, view.view),
+                           "they cover the same pixels"});
     }
   }
+}
+
+void report(const Inventory& inventory, const MaskSource& source, Perception& perception) {
+  for (const std::string& key : without_support(inventory, perception.views)) {
+    const int r = inventory.find_row(key);
+    const bool unhinted =
+        r >= 0 && inventory.rows[r].hints.empty() && source.folder.empty() && source.models == nullptr;
+    perception.omitted.push_back(
+        {"masks of " + key, unhinted ? "it has no hints and its object has other rows" : "no view shows it"});
+  }
+  for (const ViewMasks& view : perception.views) report_suspects(inventory, view, perception.omitted);
+}
+
+}  // namespace
+
+Perception perceive(const Scene& scene, Inventory& inventory, const std::vector<splat::ViewPicture>& pictures,
+                    const MaskSource& source) {
+  Perception perception;
+  std::vector<ViewImage> images;
+  std::vector<std::string> names;
+  for (const SceneView& view : scene.views) {
+    images.push_back(load_view_image(view));
+    names.push_back(view.name);
+    perception.files.push_back(view.image);
+  }
+  if (!source.folder.empty()) {
+    perception.views = load_mask_files(source.folder, inventory, scene, perception.files);
+  } else {
+    Queries queries =
+        source.agent != nullptr ? source.agent->plan_perception(inventory, {}, {}) : queries_of(inventory, names);
+    std::optional<ModelSearch> search;
+    if (source.models != nullptr) {
+      search.emplace(scene, pictures, *source.models);
+      perception.files.push_back(scene.gaussians);
+    }
+    const auto attempt = [&] {
+      perception.views =
+          search ? search->find(inventory, queries) : segment_views(images, inventory, scene.run.render.background);
+    };
+    attempt();
+    const std::vector<std::string> missed = without_support(inventory, perception.views);
+    if (!missed.empty() && (source.models != nullptr || source.agent != nullptr)) {
+      const Queries repaired = source.agent != nullptr ? source.agent->plan_perception(inventory, missed, queries)
+                                                       : wider_queries(inventory, names, missed);
+      for (const auto& [key, query] : repaired) queries[key] = query;
+      perception.omitted.push_back({"masks of the first attempt", "nothing was found of " + join(missed)});
+      attempt();
+    }
+  }
+  report(inventory, source, perception);
+  const bool anything = std::any_of(perception.views.begin(), perception.views.end(), [](const ViewMasks& view) {
+    return std::any_of(view.objects.begin(), view.objects.end(), [](const Mask& mask) { return !mask.empty(); });
+  });
   if (!anything) {
     throw invalid_input({scene.file, "/views", "views in which nothing of the inventory was found",
                          "an object in front of the background (run.render.background)",

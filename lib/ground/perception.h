@@ -2,9 +2,14 @@
 #ifndef PHYSMAS_GROUND_PERCEPTION_H
 #define PHYSMAS_GROUND_PERCEPTION_H
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "ground/chat_agent.h"
+#include "ground/instances.h"
+#include "ground/mask_models.h"
+#include "ground/view_image.h"
 #include "records/inventory.h"
 #include "records/masks.h"
 #include "records/provenance.h"
@@ -12,15 +17,26 @@
 
 namespace physmas::ground {
 
-struct Perception {
-  std::vector<ViewMasks> views;    // in scene order
-  std::vector<Omission> omitted;   // objects and rows that no view shows
-  std::vector<std::string> files;  // images and mask files that were read
+// Who makes the masks: a folder of files, a detector with a segmenter, or (neither given) the built-in segmenter.
+struct MaskSource {
+  std::string folder;
+  MaskModels* models = nullptr;
+  ChatAgent* agent = nullptr;  // plans what models and hints look for, and repairs; null: the inventory's own texts
 };
 
-// mask_folder: read masks from there; empty: the built-in segmenter. The views' images are read and checked either
-// way. Errors (exit code 3) as load_view_image and load_mask_files; and when no view shows anything.
-Perception perceive(const Scene& scene, const Inventory& inventory, const std::string& mask_folder);
+struct Perception {
+  std::vector<ViewMasks> views;    // in scene order
+  std::vector<Omission> omitted;   // what no view shows, masks that are suspect, and that there was a second attempt
+  std::vector<std::string> files;  // images, mask files and, where they told things apart, the Gaussians
+};
+
+// At most two attempts (paper, "Perception Configuration"), the second only with models or an agent and only where the
+// first left an object or row without a mask. The views' images are read and checked in any case. The agent may give
+// `inventory` queries and hints.
+// Errors: exit code 3 as load_view_image and load_mask_files, and when no view shows anything; exit code 4 as
+// MaskModels and ChatAgent.
+Perception perceive(const Scene& scene, Inventory& inventory, const std::vector<splat::ViewPicture>& pictures,
+                    const MaskSource& source);
 
 }  // namespace physmas::ground
 

@@ -17,9 +17,6 @@ namespace {
 
 using Kind = Meaning::Kind;
 
-// Impulses are "capped at four base substeps" (paper, Table "actions").
-constexpr double kImpulseSubsteps = 4;
-
 std::string quoted(const NounPhrase& phrase) {
   return "\"" + join(phrase, " ") + "\"";
 }
@@ -294,14 +291,9 @@ class Compiler {
   }
 
   double magnitude_of(const Event& event, ActionType type) {
-    const ActionRange range = range_of(type);
-    const double wanted = wanted_magnitude(event, type);
-    const double magnitude = std::min(std::max(wanted, range.min), range.max);
-    if (magnitude != wanted && type != ActionType::support_hold) {
-      const char* unit = magnitude_unit(type);
-      note(fmt::format("{} of {}{} brought to {}{} (bounds {}..{})", action_name(type), wanted, unit, magnitude, unit,
-                       range.min, range.max));
-    }
+    std::vector<std::string> corrections;
+    const double magnitude = bounded_magnitude(type, wanted_magnitude(event, type), corrections);
+    for (const std::string& correction : corrections) note(correction);
     return magnitude;
   }
 

@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "lift/evidence.h"
-#include "lift/visibility.h"
 #include "scene/neighbors.h"
+#include "splat/visibility.h"
 
 namespace physmas::lift {
 namespace {
@@ -234,13 +234,13 @@ Labels assign_rows(const LiftingInput& input) {
   const std::vector<ViewMasks>& views = input.views;
   const size_t n = means.size(), objects = inventory.objects.size();
   std::vector<std::vector<int32_t>> pixels;
-  for (const Camera& camera : input.cameras) pixels.push_back(project_to_pixels(means, camera));
+  for (const Camera& camera : input.cameras) pixels.push_back(splat::project_to_pixels(means, camera));
   Labels labels;
   std::vector<uint8_t> in_image(n, 0), hidden(n, 0);
   std::vector<int> views_of(n, 0);  // |Omega_i|
   const bool depth_test = input.occlusion == RunSpecification::Lifting::Occlusion::depth;
   const std::vector<std::vector<uint8_t>> visible =
-      depth_test ? visible_in_views(input.gaussians, input.cameras) : std::vector<std::vector<uint8_t>>();
+      depth_test ? splat::visible_in_views(input.gaussians, input.cameras) : std::vector<std::vector<uint8_t>>();
   for (size_t v = 0; v < pixels.size(); ++v) {
     for (size_t i = 0; i < n; ++i) {
       if (pixels[v][i] < 0) continue;

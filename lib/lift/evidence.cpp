@@ -33,18 +33,4 @@ std::vector<float> support_of(const Mask& mask) {
   return support;
 }
 
-std::vector<int32_t> project_to_pixels(const std::vector<Eigen::Vector3f>& means, const Camera& camera) {
-  std::vector<int32_t> pixel(means.size(), -1);
-#pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < means.size(); ++i) {
-    const Eigen::Vector3d q = camera.to_camera(means[i].cast<double>());
-    if (!(q.z() > 0)) continue;
-    const Eigen::Vector2d u = camera.project(q);
-    // Pixel i covers [i, i + 1).
-    if (!(u.x() >= 0 && u.x() < camera.width && u.y() >= 0 && u.y() < camera.height)) continue;
-    pixel[i] = static_cast<int32_t>(u.y()) * camera.width + static_cast<int32_t>(u.x());
-  }
-  return pixel;
-}
-
 }  // namespace physmas::lift

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "records/masks.h"
-#include "scene/camera.h"
 
 namespace physmas::lift {
 
@@ -26,10 +25,6 @@ constexpr double kRescueShare = 0.003;  // of N_G
 // Beyond the image is no boundary: an object that the image cuts off is not near its edge there. A mask that covers
 // the whole image has full support everywhere. Empty where the mask is empty.
 std::vector<float> support_of(const Mask& mask);
-
-// Where Gaussian means fall in one view: the index of the pixel, or -1 outside Omega_i (depth not positive, or the
-// projection outside the image). [N]
-std::vector<int32_t> project_to_pixels(const std::vector<Eigen::Vector3f>& means, const Camera& camera);
 
 }  // namespace physmas::lift
 

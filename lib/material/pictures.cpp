@@ -5,12 +5,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "splat/image_io.h"
-
 namespace physmas::material {
 namespace {
 
-constexpr int kCellWidth = 512;    // pixels, of a panel
 constexpr int kLongestCrop = 512;  // pixels
 constexpr double kCropMargin = 0.1;
 constexpr double kDimmed = 0.3;  // share of the own colour outside the highlight
@@ -47,44 +44,10 @@ Image highlighted(const ViewPicture& view, const Mask* mask) {
 
 }  // namespace
 
-std::vector<ViewPicture> load_view_pictures(const Scene& scene) {
-  std::vector<ViewPicture> pictures;
-  for (const SceneView& view : scene.views) {
-    const Image image = splat::load_image(view.image);
-    if (image.width != view.camera.width || image.height != view.camera.height) {
-      throw invalid_input({view.image, "",
-                           std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels",
-                           std::to_string(view.camera.width) + " x " + std::to_string(view.camera.height) +
-                               ", as its camera in " + scene.file});
-    }
-    ViewPicture picture{view.name, Image(image.width, image.height, 3)};
-    for (size_t p = 0; p < size_t(image.width) * image.height; ++p) {
-      const uint8_t* from = &image.pixels[p * image.channels];
-      const double alpha = image.channels == 4 ? from[3] / 255.0 : 1;
-      for (int c = 0; c < 3; ++c) {
-        const double own = from[image.channels == 1 ? 0 : c];
-        picture.rgb.pixels[3 * p + c] = static_cast<uint8_t>(own * alpha + 255 * (1 - alpha) + 0.5);
-      }
-    }
-    pictures.push_back(std::move(picture));
-  }
-  return pictures;
-}
-
 Image highlighted_sheet(const std::vector<ViewPicture>& views, const std::vector<const Mask*>& masks) {
-  std::vector<Image> panels;
-  std::vector<std::string> names;
-  for (size_t v = 0; v < views.size(); ++v) {
-    Image panel = highlighted(views[v], masks[v]);
-    if (v > 0 && (panel.width != panels[0].width || panel.height != panels[0].height)) {
-      cv::Mat scaled;
-      cv::resize(pixels_of(panel), scaled, {panels[0].width, panels[0].height}, 0, 0, cv::INTER_AREA);
-      panel = image_of(scaled);
-    }
-    panels.push_back(std::move(panel));
-    names.push_back(views[v].view);
-  }
-  return splat::contact_sheet(panels, names, 2, kCellWidth);
+  std::vector<ViewPicture> panels;
+  for (size_t v = 0; v < views.size(); ++v) panels.push_back({views[v].view, highlighted(views[v], masks[v])});
+  return splat::view_sheet(panels);
 }
 
 Image masked_crop(const ViewPicture& view, const Mask& mask) {

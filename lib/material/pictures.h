@@ -7,18 +7,11 @@
 
 #include "records/masks.h"
 #include "scene/image.h"
-#include "scene/scene.h"
+#include "splat/view_pictures.h"
 
 namespace physmas::material {
 
-// A view's picture over white, RGB.
-struct ViewPicture {
-  std::string view;
-  Image rgb;
-};
-
-// Loads the scene's views. Errors (exit code 3) as splat::load_image, and when an image has not its camera's size.
-std::vector<ViewPicture> load_view_pictures(const Scene& scene);
+using splat::ViewPicture;
 
 // Every view in a grid of two columns with its name below: the masked row in its own colours inside a magenta outline,
 // the rest dimmed. masks: [views], empty where the view does not show the row; of its view's size otherwise.

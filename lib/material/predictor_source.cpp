@@ -18,7 +18,7 @@ std::vector<CropRecord> predict(remote::InferenceClient& predictor, const std::s
   std::vector<remote::TensorSpecification> outputs;
   for (const std::string& output : kOutputs) outputs.push_back({output, {n}});
   outputs.back().shape.push_back(kLabelCount);
-  return crops_from_tensors(predictor.infer_images(name, "crops", crops, outputs), name);
+  return crops_from_tensors(predictor.infer(name, {{"crops", {n}, crops, {}, {}}}, outputs), name);
 }
 
 }  // namespace

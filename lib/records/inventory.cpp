@@ -105,7 +105,7 @@ Inventory load_inventory(const std::string& path) {
 }
 
 void save_inventory(const std::string& path, const Inventory& inventory, const std::vector<Omission>& omitted,
-                    const Provenance& provenance) {
+                    const Provenance& provenance, const std::vector<ExchangeReference>& exchanges) {
   Json json;
   json["objects"] = Json::array();
   for (const InventoryObject& object : inventory.objects) {
@@ -133,6 +133,7 @@ void save_inventory(const std::string& path, const Inventory& inventory, const s
     add_hints(entry, row.hints);
     json["rows"].push_back(entry);
   }
+  if (!exchanges.empty()) json["exchanges"] = to_json(exchanges);
   json["omitted"] = to_json(omitted);
   save_record(path, "inventory", provenance, json);
 }

@@ -58,8 +58,9 @@ struct Inventory {
 // Checks what the schema cannot: unique ids, rows of known objects, every object has a row, at most one residual row
 // per object.
 Inventory load_inventory(const std::string& path);
+// exchanges: with the models that inventory, masks and plan rest on.
 void save_inventory(const std::string& path, const Inventory& inventory, const std::vector<Omission>& omitted,
-                    const Provenance& provenance);
+                    const Provenance& provenance, const std::vector<ExchangeReference>& exchanges = {});
 
 }  // namespace physmas
 

@@ -16,6 +16,10 @@ constexpr size_t kReplyLimit = size_t{64} << 20;  // tensors as JSON text are lo
 void flatten(const Json& data, Tensor& tensor, const std::string& source, const std::string& field) {
   if (data.is_array()) {
     for (const Json& part : data) flatten(part, tensor, source, field);
+  } else if (tensor.datatype == "BYTES") {
+    if (!data.is_string())
+      throw provider_error(source, field + "/data: found " + one_line(data.dump(), 60) + ", expected texts");
+    tensor.texts.push_back(data.get<std::string>());
   } else if (data.is_number()) {
     tensor.numbers.push_back(data.get<double>());
   } else if (data.is_boolean()) {
@@ -65,8 +69,10 @@ Tensor tensor_from(const Json& output, const TensorSpecification& wanted, const 
   if (!output.contains("data"))
     throw bad("/data: found none, expected JSON numbers (the binary extension is not asked for)");
   flatten(output.at("data"), tensor, source, field);
-  if (static_cast<long>(tensor.numbers.size()) != elements)
-    throw bad(fmt::format("/data: found {} numbers, expected {}", tensor.numbers.size(), elements));
+  const size_t found = tensor.numbers.size() + tensor.texts.size();
+  if (static_cast<long>(found) != elements)
+    throw bad(fmt::format("/data: found {} {}, expected {}", found, tensor.datatype == "BYTES" ? "texts" : "numbers",
+                          elements));
   return tensor;
 }
 
@@ -114,24 +120,28 @@ void InferenceClient::require_model(const std::vector<std::string>& inputs, cons
   require("outputs", outputs);
 }
 
-std::map<std::string, Tensor> InferenceClient::infer_images(const std::string& name, const std::string& input,
-                                                            const std::vector<std::string>& png_files,
-                                                            const std::vector<TensorSpecification>& outputs) {
+std::map<std::string, Tensor> InferenceClient::infer(const std::string& name, const std::vector<InputTensor>& inputs,
+                                                     const std::vector<TensorSpecification>& outputs) {
   Request request;
   request.name = name_ + "_" + name;
   request.method = "POST";
   request.path = "/infer";
   request.reply_limit = kReplyLimit;
-  Json tensor = {{"name", input},
-                 {"shape", {png_files.size()}},
-                 {"datatype", "BYTES"},
-                 {"parameters", {{"content_type", "base64"}}},
-                 {"data", Json::array()}};
-  for (size_t i = 0; i < png_files.size(); ++i) {
-    tensor["data"].push_back("");
-    request.attachments.push_back({fmt::format("/inputs/0/data/{}", i), "", png_files[i], "png"});
+  request.body["inputs"] = Json::array();
+  for (const InputTensor& input : inputs) {
+    Json tensor = {
+        {"name", input.name}, {"shape", input.shape}, {"datatype", input.numbers.empty() ? "BYTES" : "FP32"}};
+    if (input.numbers.empty()) tensor["parameters"] = {{"content_type", input.png_files.empty() ? "str" : "base64"}};
+    tensor["data"] = Json::array();
+    for (const double number : input.numbers) tensor["data"].push_back(number);
+    for (const std::string& text : input.texts) tensor["data"].push_back(text);
+    for (const std::string& png : input.png_files) {
+      const std::string place = fmt::format("/inputs/{}/data/{}", request.body["inputs"].size(), tensor["data"].size());
+      tensor["data"].push_back("");
+      request.attachments.push_back({place, "", png, "png"});
+    }
+    request.body["inputs"].push_back(tensor);
   }
-  request.body["inputs"] = Json::array({tensor});
   request.body["outputs"] = Json::array();
   for (const TensorSpecification& output : outputs) request.body["outputs"].push_back({{"name", output.name}});
   return tensors_from(backend_.exchange(request).body, outputs, request.name);

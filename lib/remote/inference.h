@@ -14,7 +14,17 @@ namespace physmas::remote {
 struct Tensor {
   std::string datatype;  // FP32, INT64, UINT8, BOOL, ...
   std::vector<long> shape;
-  std::vector<double> numbers;  // [product of shape]
+  std::vector<double> numbers;     // [product of shape]; empty when the datatype is BYTES
+  std::vector<std::string> texts;  // [product of shape] of BYTES
+};
+
+// An input: pictures, texts, or numbers; exactly one of the three is set.
+struct InputTensor {
+  std::string name;
+  std::vector<long> shape;
+  std::vector<std::string> png_files;  // BYTES; elements are the base64 text of PNG files (content_type "base64")
+  std::vector<std::string> texts;      // BYTES; elements are UTF-8 (content_type "str")
+  std::vector<double> numbers;         // FP32, row-major
 };
 
 // What an output must be: a negative extent may be anything.
@@ -33,12 +43,9 @@ class InferenceClient {
   // missing.
   void require_model(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
-  // One inference over a batch of images: input `input` of type BYTES and shape [N], every element the base64 text of
-  // a PNG file (content_type "base64"). name: of the exchange, unique. Every specified output must come back with its
-  // shape; the first extent is usually N.
-  std::map<std::string, Tensor> infer_images(const std::string& name, const std::string& input,
-                                             const std::vector<std::string>& png_files,
-                                             const std::vector<TensorSpecification>& outputs);
+  // One inference. name: of the exchange, unique. Every specified output must come back with its shape.
+  std::map<std::string, Tensor> infer(const std::string& name, const std::vector<InputTensor>& inputs,
+                                      const std::vector<TensorSpecification>& outputs);
 
  private:
   Backend& backend_;

@@ -24,7 +24,7 @@ const std::vector<SliceContent>& slice_contents() {
   static const std::vector<SliceContent> kContents = {
       {"ground",
        true,
-       false,
+       true,
        true,
        true,
        false,

@@ -13,6 +13,7 @@
 #include "scene/view_rig.h"
 #include "splat/color_hints.h"
 #include "splat/image_io.h"
+#include "splat/renderer.h"
 #include "splat/views.h"
 
 namespace physmas::splat {
@@ -62,9 +63,26 @@ std::vector<Eigen::Vector3d> points_to_frame(const Example& example, const Gauss
   return points;
 }
 
+void write_true_masks(const SynthScene& synth, const std::vector<SceneView>& views, const std::string& folder) {
+  Renderer renderer(synth.gaussians);
+  RenderOptions options;
+  options.max_sh_degree = 0;
+  options.labels = synth.row.data();
+  options.label = true;
+  for (const SceneView& view : views) {
+    const RenderedImage& image = renderer.render(view.camera, {}, options);
+    for (size_t r = 0; r < synth.inventory.rows.size(); ++r) {
+      Image mask(image.width, image.height, 1);
+      for (size_t p = 0; p < mask.pixels.size(); ++p)
+        mask.pixels[p] = image.label[p] == static_cast<int32_t>(r) ? 255 : 0;
+      save_png(folder + "/" + view.name + "/" + synth.inventory.rows[r].key() + ".png", mask);
+    }
+  }
+}
+
 }  // namespace
 
-void write_synth_bundle(const std::string& example_path, const std::string& folder) {
+void write_synth_bundle(const std::string& example_path, const std::string& folder, bool masks) {
   const Example example = load_example(example_path);
   SynthScene synth = synthesize(example, example_path);
   Scene scene;
@@ -95,6 +113,7 @@ void write_synth_bundle(const std::string& example_path, const std::string& fold
   Hdf5Writer truth(folder + "/truth.h5", "truth", provenance);
   truth.write_int("/gaussians/row", {synth.row.size()}, synth.row.data());
   truth.commit();
+  if (masks) write_true_masks(synth, scene.views, folder + "/true-masks");
   save_scene(folder + "/scene.json", scene, provenance);
   log_info(fmt::format("{}: {} Gaussians in {} rows", folder, synth.gaussians.size(), synth.inventory.rows.size()));
 }

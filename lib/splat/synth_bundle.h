@@ -9,7 +9,9 @@ namespace physmas::splat {
 // Reads an example (records/example.h) and writes the bundle: gaussians.ply, views/NAME.png, inventory.json, truth.h5
 // (/gaussians/row: the true row of every Gaussian) and, last, scene.json. Nothing is written when the example is wrong
 // (exit code 3). Unchanged files keep their timestamps.
-void write_synth_bundle(const std::string& example_path, const std::string& folder);
+// masks: also write folder/true-masks/VIEW/OBJECT/PART.png, the pixels in which each true row weighs most, as
+// pm-ground --perception masks:DIR reads them.
+void write_synth_bundle(const std::string& example_path, const std::string& folder, bool masks = false);
 
 }  // namespace physmas::splat
 

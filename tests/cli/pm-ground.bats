@@ -23,15 +23,6 @@ nothing_written() { [ ! -e "$out" ] || [ -z "$(find "$out" -type f)" ]; }
   expect_error 2 "--scene"
 }
 
-@test "pm-ground says which back ends are not built yet" {
-  ground --agent http://localhost:1
-  expect_error 2 "not built yet"
-  ground --agent replay:/tmp
-  expect_error 2 "not built yet"
-  ground --perception http://localhost:1
-  expect_error 2 "not built yet"
-}
-
 @test "pm-ground writes inventory, plan and masks" {
   ground
   [ "$status" -eq 0 ]

@@ -56,6 +56,66 @@ def material_answer(body):
     return answer
 
 
+def scene_answer():
+    """The scene agent's answer to the schema query about the toy of tests/cli/toy.bash."""
+    row = {"object": "toy", "structural_role": "", "physics_group": "", "expected_labels": ["Wood"]}
+    answer = {
+        "objects": [{"id": "toy", "name": "toy", "scene_role": "subject"}],
+        "rows": [{**row, "part": "ball", "name": "ball"}, {**row, "part": "box", "name": "box"}],
+        "actions": [
+            {
+                "type": "translation",
+                "source": None,
+                "target": "the ball",
+                "role": "target",
+                "direction": "to the left",
+                "magnitude": 100,
+                "start": 0,
+                "end": None,
+            }
+        ],
+    }
+    if mode == "unknown-row":
+        answer["rows"].append({**row, "part": "wheel", "name": "wheel"})
+    if mode == "twice":
+        answer["rows"].append(dict(answer["rows"][0]))
+    if mode == "no-action":
+        answer["actions"][0]["type"] = "explode"
+    if mode == "nowhere":
+        answer["actions"][0]["target"] = "piano"
+    if mode == "bad-direction":
+        answer["actions"][0]["direction"] = "somewhere"
+    return answer
+
+
+def perception_answer(text):
+    """Queries for the keys that are asked about; in mode miss, the ball is called by another name at first."""
+    start = text.index("The keys: ") + len("The keys: ")
+    things = json.JSONDecoder().raw_decode(text[start:])[0]
+    names = {"toy": "toy", "toy/ball": "globe" if mode == "miss" else "ball", "toy/box": "box"}
+    colors = {"toy": [], "toy/ball": [[230, 26, 26]], "toy/box": [[26, 26, 230]]}
+    return {
+        "queries": [
+            {
+                "key": t["key"],
+                "text": "ball" if t["missed"] else names[t["key"]],
+                "visible_views": ["front", "right", "back", "left"],
+                "colors": colors[t["key"]],
+            }
+            for t in things
+        ]
+    }
+
+
+def answer_to(body):
+    text = body["messages"][1]["content"][0]["text"]
+    if text.startswith("The scene: "):
+        return scene_answer()
+    if text.startswith("The views: "):
+        return perception_answer(text)
+    return material_answer(body)
+
+
 def chat_reply(content):
     return {
         "id": "x",
@@ -81,6 +141,66 @@ def inference_reply(body):
     return {"model_name": "m", "outputs": outputs}
 
 
+# Where the toy's parts are in every view, in fractions of the picture.
+PLACES = {"toy": (0.2, 0.1, 0.8, 0.9), "ball": (0.3, 0.1, 0.7, 0.5), "box": (0.2, 0.5, 0.8, 0.9)}
+
+
+def size_of(body):
+    image = base64.b64decode(body["inputs"][0]["data"][0], validate=True)
+    assert image.startswith(b"\x89PNG")
+    return struct.unpack(">II", image[16:24])
+
+
+def detector_reply(body):
+    width, height = size_of(body)
+    assert body["inputs"][1]["name"] == "prompt" and body["inputs"][1]["shape"] == [1]
+    text = body["inputs"][1]["data"][0]
+    boxes, scores = [], []
+    if text in PLACES:
+        x0, y0, x1, y1 = PLACES[text]
+        # One box beyond the image, one too weak.
+        boxes = [[x0 * width, y0 * height, x1 * width, y1 * height], [-5.0, 0.0, 5.0, 5.0]]
+        scores = [0.8, 0.1]
+    if mode == "bad-score":
+        scores[:1] = [3.0]
+    if mode == "bad-box":
+        boxes[:1] = [[9, 9, 1, 1]]
+    n = len(boxes)
+    return {
+        "model_name": "grounding-dino",
+        "outputs": [
+            {"name": "boxes", "datatype": "FP32", "shape": [n, 4], "data": boxes},
+            {"name": "scores", "datatype": "FP32", "shape": [n], "data": scores},
+            {"name": "phrases", "datatype": "BYTES", "shape": [n], "data": [text] * n},
+        ],
+    }
+
+
+def segmenter_reply(body):
+    """Every mask is its box."""
+    width, height = size_of(body)
+    n, masks, corners = body["inputs"][1]["shape"][0], [], body["inputs"][1]["data"]
+    for i in range(n):
+        x0, y0, x1, y1 = (int(c) for c in corners[4 * i : 4 * i + 4])
+        inside = [0] * x0 + [1] * (x1 - x0) + [0] * (width - x1)
+        for y in range(height):
+            masks += inside if y0 <= y < y1 else [0] * width
+    shape = [n, height, width + 1 if mode == "mask-shape" else width]
+    return {
+        "model_name": "sam2",
+        "outputs": [
+            {"name": "masks", "datatype": "BOOL", "shape": shape, "data": masks},
+            {"name": "scores", "datatype": "FP32", "shape": [n], "data": [0.5] * n},
+        ],
+    }
+
+
+TENSORS = {
+    "grounding-dino": (["image", "prompt"], ["boxes", "scores", "phrases"]),
+    "sam2": (["image", "boxes"], ["masks", "scores"]),
+}
+
+
 class Handler(http.server.BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
 
@@ -104,13 +224,14 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.send_header("Content-Length", "0")
             self.end_headers()
         else:
-            names = OUTPUTS[:-1] if mode == "no-such-output" else OUTPUTS
+            inputs, names = TENSORS.get(self.path.split("/")[-1], (["crops"], OUTPUTS))
+            names = names[:-1] if mode == "no-such-output" else names
             self.reply(
                 200,
                 {
                     "name": "m",
                     "platform": "test",
-                    "inputs": [{"name": "crops", "datatype": "BYTES", "shape": [-1]}],
+                    "inputs": [{"name": i, "datatype": "BYTES", "shape": [-1]} for i in inputs],
                     "outputs": [{"name": o, "datatype": "FP32", "shape": [-1]} for o in names],
                 },
             )
@@ -119,8 +240,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
         body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
         number = self.note(body)
         if self.path.endswith("/infer"):
-            return self.reply(200, inference_reply(body))
-        good = chat_reply(json.dumps(material_answer(body)))
+            if mode == "infer-500":
+                return self.reply(500, {"error": "out of memory, said " + self.headers.get("Authorization", "")})
+            replies = {"grounding-dino": detector_reply, "sam2": segmenter_reply}
+            return self.reply(200, replies.get(self.path.split("/")[-2], inference_reply)(body))
+        good = chat_reply(json.dumps(answer_to(body)))
         if mode == "timeout":
             time.sleep(5)
         elif mode == "drip":
@@ -169,15 +293,15 @@ class Handler(http.server.BaseHTTPRequestHandler):
             good["choices"][0]["finish_reason"] = "length"
             self.reply(200, good)
         elif mode == "outside" or (mode == "outside-once" and number == 1):
-            answer = material_answer(body)
+            answer = answer_to(body)
             answer["E"] = 1e5  # constitutive parameters are not the model's to set
             self.reply(200, chat_reply(json.dumps(answer)))
         elif mode == "other-row":
-            answer = material_answer(body)
+            answer = answer_to(body)
             answer["key"] = "cake/candle"
             self.reply(200, chat_reply(json.dumps(answer)))
         elif mode == "prose":
-            text = "<think>{ hmm }</think>Here you are:\n```json\n" + json.dumps(material_answer(body)) + "\n```"
+            text = "<think>{ hmm }</think>Here you are:\n```json\n" + json.dumps(answer_to(body)) + "\n```"
             self.reply(200, chat_reply(text))
         elif mode == "no-schema" and "response_format" in body:
             self.reply(400, {"error": "response_format is not supported"})

@@ -1,11 +1,13 @@
 #include <doctest/doctest.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "lift/assignment.h"
 #include "lift/evidence.h"
 #include "scene/neighbors.h"
+#include "splat/visibility.h"
 
 using namespace physmas;
 using namespace physmas::lift;
@@ -90,7 +92,7 @@ TEST_CASE("lift: support runs from 0.45 at the boundary to 1 at the deepest pixe
 }
 
 TEST_CASE("lift: only positive depth inside the image counts") {
-  const std::vector<int32_t> pixels = project_to_pixels(
+  const std::vector<int32_t> pixels = splat::project_to_pixels(
       {{2.5f, 3.5f, 1}, {2.5f, 3.5f, -1}, {-0.1f, 3, 1}, {15.9f, 15.9f, 1}, {16, 3, 1}}, pixel_camera());
   CHECK(pixels == std::vector<int32_t>{3 * kSize + 2, -1, -1, 255, -1});
 }
@@ -203,6 +205,67 @@ TEST_CASE("lift: the depth test keeps what lies behind from taking the front's r
     CHECK(depth.row[i] == 1);
     CHECK(depth.confidence[i] <= 0.20f);
   }
+}
+
+TEST_CASE("lift: a part that is hidden in three of four views is labelled by the fourth") {
+  // A sheet of part b at z = 1 hides all of a wider sheet of part a at z = 2 from the front; from behind it is a alone.
+  std::vector<Eigen::Vector3f> points;
+  for (int y = 0; y < 30; ++y) {
+    for (int x = 0; x < 15; ++x) points.push_back({0.3f + 0.5f * x, 0.3f + 0.5f * y, 1});
+  }
+  const size_t of_b = points.size();
+  for (int y = 0; y < 30; ++y) {
+    for (int x = 0; x < 30; ++x) points.push_back({0.3f + 0.5f * x, 0.3f + 0.5f * y, 2});
+  }
+  Gaussians g = gaussians_at(points);
+  for (Eigen::Vector3f& s : g.log_scale) s.setConstant(std::log(0.4f));
+  for (float& o : g.opacity_logit) o = 5;
+  Camera behind = pixel_camera();
+  behind.cx = kSize;
+  behind.world_to_camera.diagonal() << -1, 1, -1, 1;
+  behind.world_to_camera(2, 3) = 3;
+  const Mask half = rectangle(0, 8, 0, kSize), all = rectangle(0, kSize, 0, kSize);
+  const ViewMasks front = view_of(half, Mask(), half), back = view_of(all, all, Mask());
+  const std::vector<Camera> cameras = {pixel_camera(), behind, behind, behind};
+  const std::vector<ViewMasks> views = {front, back, back, back};
+  const Inventory inventory = two_parts();
+  const Labels labels = assign_rows({g, cameras, views, inventory, RunSpecification::Lifting::Occlusion::depth});
+  // Where a rim of the hidden sheet shows beside the other, a few Gaussians may go either way.
+  const auto share = [&](size_t from, size_t to, int row) {
+    return double(std::count(labels.row.begin() + from, labels.row.begin() + to, row)) / double(to - from);
+  };
+  CHECK(share(0, of_b, 1) > 0.95);
+  CHECK(share(of_b, points.size(), 0) > 0.95);
+}
+
+TEST_CASE("lift: masks of nothing, of everything, and of another object leave every Gaussian with one row") {
+  const std::vector<Eigen::Vector3f> points = {{2, 8, 1}, {3, 8, 1}, {12, 8, 1}, {13, 8, 1}};
+  const Mask all = rectangle(0, kSize, 0, kSize), right = rectangle(8, kSize, 0, kSize);
+  // A mask without a pixel counts as none.
+  CHECK(lift_once(points, view_of(all, rectangle(0, 0, 0, 0), right)).row ==
+        lift_once(points, view_of(all, Mask(), right)).row);
+  // A mask of everything takes what no other mask supports better.
+  const Labels everything = lift_once(points, view_of(all, all, right));
+  CHECK(std::count(everything.row.begin(), everything.row.end(), 2) == 0);
+  CHECK(everything.row[0] == 0);
+  for (const float c : everything.confidence) CHECK((c >= 0 && c <= 1));
+  // A second object with the first one's mask: the order of queries decides.
+  Inventory inventory = two_parts();
+  inventory.objects.push_back(inventory.objects[0]);
+  inventory.objects[1].id = "other";
+  for (int r = 0; r < 3; ++r) {
+    inventory.rows.push_back(inventory.rows[r]);
+    inventory.rows.back().object = "other";
+  }
+  ViewMasks view;
+  view.objects = {all, all};
+  view.rows = {all, Mask(), Mask(), all, Mask(), Mask()};
+  const Gaussians g = gaussians_at(points);
+  const std::vector<Camera> cameras = {pixel_camera()};
+  const std::vector<ViewMasks> views = {view};
+  const Labels twice = assign_rows({g, cameras, views, inventory});
+  CHECK(twice.object == std::vector<int32_t>{0, 0, 0, 0});
+  CHECK(twice.row == std::vector<int32_t>{0, 0, 0, 0});
 }
 
 TEST_CASE("lift: nearest neighbours come by distance, then by index") {

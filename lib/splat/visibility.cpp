@@ -1,0 +1,52 @@
+#include "splat/visibility.h"
+
+#include "splat/renderer.h"
+
+namespace physmas::splat {
+namespace {
+
+constexpr double kSlack = 0.25;  // of the renderer's default near plane, a hundredth of the scene
+
+}  // namespace
+
+std::vector<int32_t> project_to_pixels(const std::vector<Eigen::Vector3f>& means, const Camera& camera) {
+  std::vector<int32_t> pixel(means.size(), -1);
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < means.size(); ++i) {
+    const Eigen::Vector3d q = camera.to_camera(means[i].cast<double>());
+    if (!(q.z() > 0)) continue;
+    const Eigen::Vector2d u = camera.project(q);
+    // Pixel i covers [i, i + 1).
+    if (!(u.x() >= 0 && u.x() < camera.width && u.y() >= 0 && u.y() < camera.height)) continue;
+    pixel[i] = static_cast<int32_t>(u.y()) * camera.width + static_cast<int32_t>(u.x());
+  }
+  return pixel;
+}
+
+std::vector<std::vector<uint8_t>> visible_in_views(const Gaussians& gaussians, const std::vector<Camera>& cameras) {
+  Renderer renderer(gaussians);
+  RenderOptions options;
+  options.max_sh_degree = 0;
+  options.depth = true;
+  std::vector<std::vector<uint8_t>> visible;
+  for (const Camera& camera : cameras) {
+    const std::vector<int32_t> pixels = project_to_pixels(gaussians.position, camera);
+    const RenderedImage& image = renderer.render(camera, {}, options);
+    std::vector<uint8_t> seen(gaussians.size(), 0);
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < gaussians.size(); ++i) {
+      if (pixels[i] < 0) continue;
+      const double depth = camera.to_camera(gaussians.position[i].cast<double>()).z();
+      // The Gaussian's standard deviation along the ray.
+      const Eigen::Vector3f ray = (gaussians.position[i] - camera.center().cast<float>()).normalized();
+      const Eigen::Vector3f along = gaussians.scale(i).asDiagonal() * (gaussians.rotation_matrix(i).transpose() * ray);
+      const double slack = kSlack * renderer.default_near() + along.norm();
+      const float surface = image.depth[pixels[i]];
+      seen[i] = surface <= 0 || depth <= surface + slack;
+    }
+    visible.push_back(std::move(seen));
+  }
+  return visible;
+}
+
+}  // namespace physmas::splat

@@ -1,0 +1,24 @@
+// Where views show Gaussian means, and which views see them: the depth test of the run specification's
+// `lifting.occlusion`.
+#ifndef PHYSMAS_SPLAT_VISIBILITY_H
+#define PHYSMAS_SPLAT_VISIBILITY_H
+
+#include <cstdint>
+#include <vector>
+
+#include "scene/camera.h"
+#include "scene/gaussians.h"
+
+namespace physmas::splat {
+
+// Where Gaussian means fall in one view: the index of the pixel, or -1 outside Omega_i (depth not positive, or the
+// projection outside the image). [N]
+std::vector<int32_t> project_to_pixels(const std::vector<Eigen::Vector3f>& means, const Camera& camera);
+
+// [view][N] 1 where the Gaussian's mean lies no deeper than the rendered depth at its pixel, give or take 1/400 of the
+// scene's size and the Gaussian's own standard deviation along the ray; 0 behind it and outside the image.
+std::vector<std::vector<uint8_t>> visible_in_views(const Gaussians& gaussians, const std::vector<Camera>& cameras);
+
+}  // namespace physmas::splat
+
+#endif
