@@ -20,6 +20,12 @@ struct MetricEntry {
 void save_metrics(const std::string& path, const std::string& target, const std::vector<MetricEntry>& metrics,
                   const Provenance& provenance);
 
+struct MetricsRecord {
+  std::string target;  // what was measured: "scene", an object id or a row key
+  std::vector<MetricEntry> metrics;
+};
+MetricsRecord load_metrics(const std::string& path);
+
 }  // namespace physmas
 
 #endif

@@ -119,9 +119,6 @@ std::map<std::string, Tensor> InferenceClient::infer_images(const std::string& n
                                                             const std::vector<TensorSpecification>& outputs) {
   Request request;
   request.name = name_ + "_" + name;
-  request.method = "POST";
-  request.path = "/infer";
-  request.reply_limit = kReplyLimit;
   Json tensor = {{"name", input},
                  {"shape", {png_files.size()}},
                  {"datatype", "BYTES"},
@@ -132,6 +129,24 @@ std::map<std::string, Tensor> InferenceClient::infer_images(const std::string& n
     request.attachments.push_back({fmt::format("/inputs/0/data/{}", i), "", png_files[i], "png"});
   }
   request.body["inputs"] = Json::array({tensor});
+  return ask(std::move(request), outputs);
+}
+
+std::map<std::string, Tensor> InferenceClient::infer(const std::string& name, const std::vector<InputTensor>& inputs,
+                                                     const std::vector<TensorSpecification>& outputs) {
+  Request request;
+  request.name = name_ + "_" + name;
+  request.body["inputs"] = Json::array();
+  for (const InputTensor& input : inputs)
+    request.body["inputs"].push_back(
+        {{"name", input.name}, {"shape", input.shape}, {"datatype", input.datatype}, {"data", input.data}});
+  return ask(std::move(request), outputs);
+}
+
+std::map<std::string, Tensor> InferenceClient::ask(Request request, const std::vector<TensorSpecification>& outputs) {
+  request.method = "POST";
+  request.path = "/infer";
+  request.reply_limit = kReplyLimit;
   request.body["outputs"] = Json::array();
   for (const TensorSpecification& output : outputs) request.body["outputs"].push_back({{"name", output.name}});
   return tensors_from(backend_.exchange(request).body, outputs, request.name);

@@ -23,6 +23,14 @@ struct TensorSpecification {
   std::vector<long> shape;
 };
 
+// An input of numbers.
+struct InputTensor {
+  std::string name;
+  std::string datatype;  // FP32, INT64, ...
+  std::vector<long> shape;
+  Json data;  // flat, row-major
+};
+
 class InferenceClient {
  public:
   // backend: its endpoint is the model's address, http://host/v2/models/NAME[/versions/VERSION]; must outlive the
@@ -40,7 +48,13 @@ class InferenceClient {
                                              const std::vector<std::string>& png_files,
                                              const std::vector<TensorSpecification>& outputs);
 
+  // One inference over numbers; as infer_images otherwise.
+  std::map<std::string, Tensor> infer(const std::string& name, const std::vector<InputTensor>& inputs,
+                                      const std::vector<TensorSpecification>& outputs);
+
  private:
+  std::map<std::string, Tensor> ask(Request request, const std::vector<TensorSpecification>& outputs);
+
   Backend& backend_;
   std::string name_;
 };
