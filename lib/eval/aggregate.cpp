@@ -76,8 +76,7 @@ void Aggregate::read_result(size_t case_index, const std::string& method) {
 
 void Aggregate::add_rates(const UprRecord& rates) {
   const std::string source = "the rates of the study \"" + rates.study + "\"";
-  const std::vector<std::string>& methods =
-      rates.study == "ablation" ? evaluation_.ablation : evaluation_.comparison;
+  const std::vector<std::string>& methods = rates.study == "ablation" ? evaluation_.ablation : evaluation_.comparison;
   if (std::set<std::string>(methods.begin(), methods.end()) !=
       std::set<std::string>(rates.methods.begin(), rates.methods.end()))
     throw invalid_input({source, "/methods", "other methods", "those of the manifest's \"" + rates.study + "\""});
@@ -127,9 +126,8 @@ std::vector<std::string> Aggregate::lacking() const {
 
 Score Aggregate::reported(const std::string& method, const std::string& metric, const std::string& set) const {
   return reported_score(sets_, set, [&](size_t i) {
-    const auto row = std::find_if(results_.begin(), results_.end(), [&](const ResultScores& r) {
-      return r.case_index == i && r.method == method;
-    });
+    const auto row = std::find_if(results_.begin(), results_.end(),
+                                  [&](const ResultScores& r) { return r.case_index == i && r.method == method; });
     const auto found = row->score.find(metric);
     return found == row->score.end() ? Score{} : found->second;
   });
@@ -140,7 +138,7 @@ Table Aggregate::case_table() const {
   table.name = "cases";
   table.corner = "Case";
   table.caption = "Every result, failures included.";
-  const std::vector<std::string> metrics = {"clip_sim",    "trajectory_nrmse", "area_log_rmse", "strain_rmse",
+  const std::vector<std::string> metrics = {"clip_sim",       "trajectory_nrmse", "area_log_rmse", "strain_rmse",
                                             "upr/comparison", "upr/ablation",     "seconds"};
   for (const char* name : {"Set", "Method", "Status"}) table.columns.push_back({"", name, {}});
   for (const std::string& metric : metrics) table.columns.push_back({"", metric, {}});

@@ -95,8 +95,8 @@ struct NpyType {
   size_t size;
   std::vector<double> (*convert)(const char*, size_t);
 };
-const NpyType kTypes[] = {{"<f4", 4, convert<float>},   {"<f8", 8, convert<double>},  {"|b1", 1, convert<uint8_t>},
-                          {"|u1", 1, convert<uint8_t>}, {"|i1", 1, convert<int8_t>},  {"<i4", 4, convert<int32_t>},
+const NpyType kTypes[] = {{"<f4", 4, convert<float>},   {"<f8", 8, convert<double>}, {"|b1", 1, convert<uint8_t>},
+                          {"|u1", 1, convert<uint8_t>}, {"|i1", 1, convert<int8_t>}, {"<i4", 4, convert<int32_t>},
                           {"<i8", 8, convert<int64_t>}};
 
 // depth: of `json` in the nesting.
@@ -108,8 +108,7 @@ void flatten(const Json& json, size_t depth, Array& array, const std::string& fi
     for (size_t i = 0; i < json.size(); ++i) flatten(json[i], depth + 1, array, file, pointer);
     return;
   }
-  if (depth != array.shape.size())
-    throw invalid_input({file, pointer, "a value beside a list", "lists of even depth"});
+  if (depth != array.shape.size()) throw invalid_input({file, pointer, "a value beside a list", "lists of even depth"});
   if (json.is_null()) {
     array.values.push_back(std::numeric_limits<double>::quiet_NaN());
   } else if (json.is_boolean()) {

@@ -17,8 +17,9 @@ struct Array {
 // file, field: for messages. Errors: exit code 3.
 Array parse_npy(const std::string& bytes, const std::string& file, const std::string& field);
 
-// The arrays of these names from a .npz file, or from a JSON object of nested lists (numbers, true, false; null is NaN).
-// Which it is decides the content, not the name. Errors (exit code 3): a name that is missing, lists of uneven length.
+// The arrays of these names from a .npz file, or from a JSON object of nested lists (numbers, true, false; null is
+// NaN). Which it is decides the content, not the name. Errors (exit code 3): a name that is missing, lists of uneven
+// length.
 std::map<std::string, Array> load_arrays(const std::string& path, const std::vector<std::string>& names);
 
 // "[1, 50, 256, 2]", for messages.

@@ -13,7 +13,7 @@
 
 namespace physmas::eval {
 
-// Embeddings of one case: D numbers each.
+// Embeddings of one case: D numbers each, of the text and of every frame.
 struct ClipEmbeddings {
   std::vector<double> text;
   std::vector<std::vector<double>> frames;  // [T]

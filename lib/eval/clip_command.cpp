@@ -23,7 +23,8 @@ std::vector<double> encode(remote::InferenceClient& client, const std::string& n
   return client.infer(name, {input}, {{output, {1, -1}}}).at(output).numbers;
 }
 
-ClipEmbeddings remote_embeddings(const ClipOptions& options) {
+// exchanges: with both servers, appended.
+ClipEmbeddings remote_embeddings(const ClipOptions& options, std::vector<ExchangeReference>& exchanges) {
   const std::vector<int64_t> ids = ClipTokenizer(options.merges).encode(options.prompt);
   const auto texts = remote::open_backend(options.text_encoder, "--text-encoder", "", options.remote);
   const auto images = remote::open_backend(options.image_encoder, "--image-encoder", "", options.remote);
@@ -41,6 +42,8 @@ ClipEmbeddings remote_embeddings(const ClipOptions& options) {
                                    fmt::format("found embeddings of {} numbers, expected {} as the text encoder's",
                                                embeddings.frames.back().size(), embeddings.text.size()));
   });
+  for (const remote::Backend* backend : {texts.get(), images.get()})
+    exchanges.insert(exchanges.end(), backend->exchanges().begin(), backend->exchanges().end());
   return embeddings;
 }
 
@@ -52,8 +55,9 @@ int clip(const ClipOptions& options) {
     throw Error(ExitCode::usage,
                 "--embeddings: found none, expected it, or --video, --prompt, --merges, --image-encoder and "
                 "--text-encoder");
+  std::vector<ExchangeReference> exchanges;
   const Measurement m =
-      clip_similarity(from_file ? load_clip_embeddings(options.embeddings) : remote_embeddings(options));
+      clip_similarity(from_file ? load_clip_embeddings(options.embeddings) : remote_embeddings(options, exchanges));
   Provenance provenance;
   provenance.tool = "pm-eval";
   provenance.options = {{"metric", "clip"}};
@@ -64,9 +68,8 @@ int clip(const ClipOptions& options) {
     provenance.add_input(options.video);
     provenance.add_input(options.merges);
   }
-  save_metrics(options.out, "scene", {{"clip_sim", m.valid, m.value, m.samples, m.reason}}, provenance);
-  fmt::print("clip_sim {}\n",
-             m.valid ? fmt::format("{:.4f} ({} frames)", m.value, m.samples) : "invalid: " + m.reason);
+  save_metrics(options.out, "scene", {{"clip_sim", m.valid, m.value, m.samples, m.reason}}, provenance, exchanges);
+  fmt::print("clip_sim {}\n", m.valid ? fmt::format("{:.4f} ({} frames)", m.value, m.samples) : "invalid: " + m.reason);
   return 0;
 }
 
@@ -75,13 +78,14 @@ int clip(const ClipOptions& options) {
 Command add_clip_command(CLI::App& app) {
   const auto options = std::make_shared<ClipOptions>();
   CLI::App* command = app.add_subcommand("clip", "CLIP similarity of a video and its complete motion prompt");
-  CLI::Option* file = command->add_option("--embeddings", options->embeddings,
-                                          "text [D] and frames [T,D] from a .npz or JSON file");
+  CLI::Option* file =
+      command->add_option("--embeddings", options->embeddings, "text [D] and frames [T,D] from a .npz or JSON file");
   command->add_option("--video", options->video, "Video whose frames are encoded")->excludes(file);
   command->add_option("--prompt", options->prompt, "The complete motion prompt")->excludes(file);
   command->add_option("--merges", options->merges, "CLIP's bpe_simple_vocab_16e6.txt, unpacked")->excludes(file);
-  command->add_option("--image-encoder", options->image_encoder,
-                      "Model behind Open Inference Protocol v2: pixel_values [1,3,224,224] to image_embeds [1,D]")
+  command
+      ->add_option("--image-encoder", options->image_encoder,
+                   "Model behind Open Inference Protocol v2: pixel_values [1,3,224,224] to image_embeds [1,D]")
       ->excludes(file);
   command->add_option("--text-encoder", options->text_encoder, "As above: input_ids [1,77] to text_embeds [1,D]")
       ->excludes(file);

@@ -139,8 +139,8 @@ std::vector<int64_t> ClipTokenizer::encode(const std::string& prompt) const {
   }
   ids.push_back(id_.at(kEndToken));
   if (ids.size() > kClipContext)
-    throw invalid_input({"the prompt", "", fmt::format("{} tokens", ids.size() - 2),
-                         fmt::format("at most {}", kClipContext - 2)});
+    throw invalid_input(
+        {"the prompt", "", fmt::format("{} tokens", ids.size() - 2), fmt::format("at most {}", kClipContext - 2)});
   ids.resize(kClipContext, 0);
   return ids;
 }

@@ -31,8 +31,8 @@ TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const 
                           const RolloutReader& rollout, const std::vector<uint8_t>& target,
                           const std::vector<int>& queries);
 
-// [N_G] 1 where the Gaussian belongs to `target`, an object id or a row key; empty: the whole scene. An Error (exit code
-// 2) lists the objects when there is no such target.
+// [N_G] 1 where the Gaussian belongs to `target`, an object id or a row key; empty: the whole scene. An Error (exit
+// code 2) lists the objects when there is no such target.
 std::vector<uint8_t> target_gaussians(const Inventory& inventory, const State& state, const std::string& target);
 
 // The target's visible silhouette in every frame, 255 inside, all Gaussians as occluders.

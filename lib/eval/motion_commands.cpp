@@ -89,9 +89,11 @@ void report_motion(const std::string& out, const std::string& target, const Meas
 Command add_tracks_command(CLI::App& app) {
   const auto options = std::make_shared<PairOptions>();
   CLI::App* command = app.add_subcommand("tracks", "Motion metrics of point tracks from files (.npz or JSON)");
-  command->add_option("--reference", options->reference, "Tracks of the reference: tracks [1,T,N,2], visibility [1,T,N]")
+  command
+      ->add_option("--reference", options->reference, "Tracks of the reference: tracks [1,T,N,2], visibility [1,T,N]")
       ->required();
-  command->add_option("--tracks", options->measured, "Tracks of the video to measure, from the same queries")->required();
+  command->add_option("--tracks", options->measured, "Tracks of the video to measure, from the same queries")
+      ->required();
   command->add_option("--width", options->width, "Pixels of the videos")->required()->check(CLI::Range(1, 16384));
   command->add_option("--height", options->height, "Pixels of the videos")->required()->check(CLI::Range(1, 16384));
   add_pair_options(*command, *options, false);

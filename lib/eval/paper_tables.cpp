@@ -36,7 +36,8 @@ std::string set_heading(const std::string& set) {
 }  // namespace
 
 Table Aggregate::profile_table() const {
-  Table table{"table1", "Method", "Multi-part results: CLIP similarity and user preference rate per profile set.", {}, {}};
+  Table table{
+      "table1", "Method", "Multi-part results: CLIP similarity and user preference rate per profile set.", {}, {}};
   for (const std::string& set : profile_sets()) {
     table.columns.push_back({set_heading(set), "CLIPsim", {}});
     table.columns.push_back({set_heading(set), "UPR", {}});
@@ -54,7 +55,8 @@ Table Aggregate::profile_table() const {
 }
 
 Table Aggregate::multi_object_table() const {
-  Table table{"table2", "Method", "Multi-object results; higher is better.", {{"", "CLIPsim", {}}, {"", "UPR", {}}}, {}};
+  Table table{
+      "table2", "Method", "Multi-object results; higher is better.", {{"", "CLIPsim", {}}, {"", "UPR", {}}}, {}};
   for (const std::string& method : evaluation_.comparison)
     table.rows.push_back({evaluation_.method_name(method),
                           {{"", {{reported(method, "clip_sim", kMultiObject)}}},
@@ -64,8 +66,8 @@ Table Aggregate::multi_object_table() const {
 }
 
 Table Aggregate::runtime_table() const {
-  Table table{"table3", "Method", "Mean run time per case after reconstruction; lower is better.",
-              {{"", "Seconds", {}}}, {}};
+  Table table{
+      "table3", "Method", "Mean run time per case after reconstruction; lower is better.", {{"", "Seconds", {}}}, {}};
   for (const std::string& method : evaluation_.comparison) {
     std::vector<Score> seconds;
     long stated = 0;

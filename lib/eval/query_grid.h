@@ -16,8 +16,8 @@ constexpr int kGrid = 16;
 struct QueryPixel {
   int x = 0, y = 0;
 };
-// Queries inside the mask (1 channel, nonzero: target) eroded by one pixel: pixels whose 3 × 3 neighbourhood lies in the
-// mask and in the image. By rows.
+// Queries inside the mask (1 channel, nonzero: target) eroded by one pixel: pixels whose 3 × 3 neighbourhood lies in
+// the mask and in the image. By rows.
 std::vector<QueryPixel> query_pixels(const Image& mask);
 
 // Masks of a video: folder/*.png in the order of their names, one per frame, grey, of one size; above 127 is the

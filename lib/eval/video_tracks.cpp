@@ -49,7 +49,8 @@ Tracks load_tracks(const std::string& path, int width, int height) {
       const size_t k = t * shape[1] + i;
       const double v = visibility.values[k];
       if (!(v >= 0 && v <= 1))
-        throw invalid_input({path, fmt::format("visibility, frame {}, point {}", t, i), fmt::format("{}", v), "0 to 1"});
+        throw invalid_input(
+            {path, fmt::format("visibility, frame {}, point {}", t, i), fmt::format("{}", v), "0 to 1"});
       position.emplace_back(points.values[2 * k] + 0.5, points.values[2 * k + 1] + 0.5);
       visible.push_back(v > 0.5 && position.back().allFinite() ? 1 : 0);
     }
@@ -78,7 +79,8 @@ Tracks track_by_flow(const std::string& video, const std::vector<QueryPixel>& qu
       for (size_t i = 0; i < now.size(); ++i) {
         const bool inside = next[i].x >= 0 && next[i].y >= 0 && next[i].x <= static_cast<float>(frame.width - 1) &&
                             next[i].y <= static_cast<float>(frame.height - 1);
-        if (forward[i] == 0 || backward[i] == 0 || !inside || cv::norm(back[i] - now[i]) > kReturnDistance) alive[i] = 0;
+        if (forward[i] == 0 || backward[i] == 0 || !inside || cv::norm(back[i] - now[i]) > kReturnDistance)
+          alive[i] = 0;
         if (alive[i] != 0) now[i] = next[i];
       }
     }

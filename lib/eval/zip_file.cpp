@@ -60,10 +60,12 @@ ZipFile::ZipFile(std::string bytes, std::string file) : bytes_(std::move(bytes))
     if (entry.compressed == kNone || entry.size == kNone || entry.local_header == kNone || entry.size > kMaxEntry)
       throw invalid_input({file_, field, "a larger entry", fmt::format("at most {} bytes", kMaxEntry)});
     if (entry.method != kStored && entry.method != kDeflated)
-      throw invalid_input({file_, field, fmt::format("compression method {}", entry.method), "0 (stored) or 8 (deflate)"});
+      throw invalid_input(
+          {file_, field, fmt::format("compression method {}", entry.method), "0 (stored) or 8 (deflate)"});
     // Checked before anything of that size is allocated.
     if (entry.method == kStored ? entry.size != entry.compressed : entry.size > kMaxRatio * (entry.compressed + 1))
-      throw invalid_input({file_, field, fmt::format("{} bytes from {}", entry.size, entry.compressed), "sizes that fit"});
+      throw invalid_input(
+          {file_, field, fmt::format("{} bytes from {}", entry.size, entry.compressed), "sizes that fit"});
     if (at + kCentralSize + name_size > bytes_.size())
       throw invalid_input({file_, field, "a name that is cut off", "a whole ZIP archive"});
     if (!entries_.emplace(bytes_.substr(at + kCentralSize, name_size), entry).second)
@@ -91,8 +93,8 @@ std::string ZipFile::read(const std::string& name) const {
   const size_t data = header + kLocalSize + number(header + 26, 2) + number(header + 28, 2);
   if (data > bytes_.size() || bytes_.size() - data < entry.compressed)
     throw invalid_input({file_, name, "data that is cut off", "a whole ZIP archive"});
-  std::string out = entry.method == kStored ? bytes_.substr(data, entry.size)
-                                            : inflated(&bytes_[data], entry.compressed, entry.size);
+  std::string out =
+      entry.method == kStored ? bytes_.substr(data, entry.size) : inflated(&bytes_[data], entry.compressed, entry.size);
   if (out.size() != entry.size ||
       crc32(0, reinterpret_cast<const Bytef*>(out.data()), static_cast<uInt>(out.size())) != entry.crc)
     throw invalid_input({file_, name, "damaged data", "what its checksum says"});

@@ -82,8 +82,9 @@ class Loader {
       throw invalid_input({path_, pointer + "/profiles", c.profiles.empty() ? "none" : "some",
                            c.multi_object ? "none in a multi-object case" : "the profiles of a multi-part case"});
     if (c.objects.empty() == c.multi_object)
-      throw invalid_input({path_, pointer + "/objects", c.objects.empty() ? "none" : "some",
-                           c.multi_object ? "the registered objects of a multi-object case" : "none in a multi-part case"});
+      throw invalid_input(
+          {path_, pointer + "/objects", c.objects.empty() ? "none" : "some",
+           c.multi_object ? "the registered objects of a multi-object case" : "none in a multi-part case"});
     for (const auto& [method, result] : json.at("results").items()) {
       if (methods_.count(method) == 0)
         throw invalid_field(path_, pointer + "/results", Json(method), "the id of a method");

@@ -3,7 +3,7 @@
 namespace physmas {
 
 void save_metrics(const std::string& path, const std::string& target, const std::vector<MetricEntry>& metrics,
-                  const Provenance& provenance) {
+                  const Provenance& provenance, const std::vector<ExchangeReference>& exchanges) {
   Json json;
   json["target"] = target;
   json["metrics"] = Json::object();
@@ -18,6 +18,7 @@ void save_metrics(const std::string& path, const std::string& target, const std:
     }
     json["metrics"][metric.name] = entry;
   }
+  if (!exchanges.empty()) json["exchanges"] = to_json(exchanges);
   save_record(path, "metrics", provenance, json);
 }
 

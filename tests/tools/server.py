@@ -81,6 +81,22 @@ def inference_reply(body):
     return {"model_name": "m", "outputs": outputs}
 
 
+def clip_reply(body):
+    """Encoders of two numbers: the text lies along x, every frame at a cosine of 0.6 to it."""
+    (tensor,) = body["inputs"]
+    size = 1
+    for extent in tensor["shape"]:
+        size *= extent
+    assert len(tensor["data"]) == size
+    if tensor["name"] == "input_ids":
+        assert tensor["datatype"] == "INT64" and tensor["shape"] == [1, 77]
+        name, embedding = "text_embeds", [2.0, 0.0]
+    else:
+        assert tensor["datatype"] == "FP32" and tensor["shape"] == [1, 3, 224, 224]
+        name, embedding = "image_embeds", [3.0, 4.0]
+    return {"model_name": "clip", "outputs": [{"name": name, "datatype": "FP32", "shape": [1, 2], "data": embedding}]}
+
+
 class Handler(http.server.BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
 
@@ -105,12 +121,15 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.end_headers()
         else:
             names = OUTPUTS[:-1] if mode == "no-such-output" else OUTPUTS
+            inputs = ["crops"]
+            if "/clip-" in self.path:
+                inputs, names = ["pixel_values", "input_ids"], ["image_embeds", "text_embeds"]
             self.reply(
                 200,
                 {
                     "name": "m",
                     "platform": "test",
-                    "inputs": [{"name": "crops", "datatype": "BYTES", "shape": [-1]}],
+                    "inputs": [{"name": i, "datatype": "BYTES", "shape": [-1]} for i in inputs],
                     "outputs": [{"name": o, "datatype": "FP32", "shape": [-1]} for o in names],
                 },
             )
@@ -119,7 +138,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
         number = self.note(body)
         if self.path.endswith("/infer"):
-            return self.reply(200, inference_reply(body))
+            return self.reply(200, clip_reply(body) if "/clip-" in self.path else inference_reply(body))
         good = chat_reply(json.dumps(material_answer(body)))
         if mode == "timeout":
             time.sleep(5)
