@@ -208,9 +208,9 @@ int main(int argc, char** argv) {
          verification_command = add_verification(app, verification_options);
          accuracy_command = add_accuracy(app, accuracy_options);
          stability_command = add_stability(app, stability_options);
-         for (const auto add :
-              {eval::add_tracks_command, eval::add_flow_command, eval::add_silhouettes_command, eval::add_clip_command,
-               eval::add_study_command, eval::add_upr_command, eval::add_aggregate_command})
+         for (const auto add : {eval::add_tracks_command, eval::add_flow_command, eval::add_tracker_command,
+                                eval::add_silhouettes_command, eval::add_clip_command, eval::add_study_command,
+                                eval::add_upr_command, eval::add_aggregate_command})
            commands.push_back(add(app));
          app.require_subcommand(1);
        },

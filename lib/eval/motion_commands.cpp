@@ -1,4 +1,4 @@
-// pm-eval tracks, flow and silhouettes.
+// pm-eval tracks, flow, tracker and silhouettes.
 #include <fmt/format.h>
 
 #include <memory>
@@ -29,7 +29,8 @@ void add_pair_options(CLI::App& command, PairOptions& options, bool masks_requir
 }
 
 // Points count inside their masks, where there are any; without both there is no area to compare.
-int measure(const PairOptions& options, const char* source, Tracks reference, Tracks measured) {
+int measure(const PairOptions& options, const char* source, Tracks reference, Tracks measured,
+            const std::vector<ExchangeReference>& exchanges = {}) {
   Measurement area;
   area.reason = "no target masks";
   Provenance provenance;
@@ -48,8 +49,23 @@ int measure(const PairOptions& options, const char* source, Tracks reference, Tr
     area = area_log_rmse(mask_areas(expected), mask_areas(found));
   }
   report_motion(options.out, options.target, trajectory_nrmse(reference, measured), area,
-                strain_rmse(reference, measured), provenance);
+                strain_rmse(reference, measured), provenance, exchanges);
   return 0;
+}
+
+struct TrackerOptions : PairOptions {
+  std::string tracker;
+  remote::RemoteOptions remote;
+};
+
+int tracker(const TrackerOptions& options) {
+  const std::vector<QueryPixel> queries = query_pixels(load_masks(options.reference_masks).front());
+  const auto backend = remote::open_backend(options.tracker, "--tracker", "", options.remote);
+  remote::InferenceClient client(*backend, "tracker");
+  client.require_model({"frames", "queries"}, {"tracks", "visibility"});
+  Tracks reference = track_by_server(client, "reference", options.reference, queries);
+  Tracks measured = track_by_server(client, "measured", options.measured, queries);
+  return measure(options, "tracker", std::move(reference), std::move(measured), backend->exchanges());
 }
 
 struct SilhouetteOptions {
@@ -73,7 +89,8 @@ int silhouettes(const SilhouetteOptions& options) {
 }  // namespace
 
 void report_motion(const std::string& out, const std::string& target, const Measurement& trajectory,
-                   const Measurement& area, const Measurement& strain, const Provenance& provenance) {
+                   const Measurement& area, const Measurement& strain, const Provenance& provenance,
+                   const std::vector<ExchangeReference>& exchanges) {
   std::vector<MetricEntry> metrics;
   const auto add = [&](const char* name, const Measurement& m) {
     metrics.push_back({name, m.valid, m.value, m.samples, m.reason});
@@ -83,7 +100,7 @@ void report_motion(const std::string& out, const std::string& target, const Meas
   add("trajectory_nrmse", trajectory);
   add("area_log_rmse", area);
   add("strain_rmse", strain);
-  save_metrics(out, target, metrics, provenance);
+  save_metrics(out, target, metrics, provenance, exchanges);
 }
 
 Command add_tracks_command(CLI::App& app) {
@@ -114,6 +131,20 @@ Command add_flow_command(CLI::App& app) {
             return measure(*options, "optical flow", track_by_flow(options->reference, queries),
                            track_by_flow(options->measured, queries));
           }};
+}
+
+Command add_tracker_command(CLI::App& app) {
+  const auto options = std::make_shared<TrackerOptions>();
+  CLI::App* command = app.add_subcommand("tracker", "Motion metrics of two videos, tracked by a model server");
+  command->add_option("--reference", options->reference, "Video of the reference")->required();
+  command->add_option("--video", options->measured, "Video to measure")->required();
+  command
+      ->add_option("--tracker", options->tracker,
+                   "Model behind Open Inference Protocol v2: frames and queries to tracks and visibility")
+      ->required();
+  add_pair_options(*command, *options, true);
+  remote::add_remote_options(*command, options->remote);
+  return {command, [options](const CommonOptions&) { return tracker(*options); }};
 }
 
 Command add_silhouettes_command(CLI::App& app) {

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <functional>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
 #include "base/error.h"
 #include "eval/array_file.h"
+#include "splat/image_io.h"
 #include "splat/video.h"
 
 namespace physmas::eval {
@@ -28,6 +30,29 @@ cv::Mat grey(const Image& frame) {
   return out;
 }
 
+// points: [T, N, 2], visibility: [T, N], as trackers write them. bad: makes the error of a field and what was found.
+Tracks tracks_from(const std::vector<double>& points, const std::vector<double>& visibility, size_t frames,
+                   size_t count, int width, int height,
+                   const std::function<Error(const std::string&, const std::string&)>& bad) {
+  Tracks tracks;
+  tracks.width = width;
+  tracks.height = height;
+  for (size_t t = 0; t < frames; ++t) {
+    std::vector<Eigen::Vector2d> position;
+    std::vector<uint8_t> visible;
+    for (size_t i = 0; i < count; ++i) {
+      const size_t k = t * count + i;
+      const double v = visibility[k];
+      if (!(v >= 0 && v <= 1)) throw bad(fmt::format("visibility, frame {}, point {}", t, i), fmt::format("{}", v));
+      position.emplace_back(points[2 * k] + 0.5, points[2 * k + 1] + 0.5);
+      visible.push_back(v > 0.5 && position.back().allFinite() ? 1 : 0);
+    }
+    tracks.position.push_back(std::move(position));
+    tracks.visible.push_back(std::move(visible));
+  }
+  return tracks;
+}
+
 }  // namespace
 
 Tracks load_tracks(const std::string& path, int width, int height) {
@@ -39,25 +64,10 @@ Tracks load_tracks(const std::string& path, int width, int height) {
   if (seen.size() != 2 || seen[0] != shape[0] || seen[1] != shape[1])
     throw invalid_input({path, "visibility", shape_text(visibility.shape),
                          fmt::format("[1, {0}, {1}] or [{0}, {1}] as the tracks", shape[0], shape[1])});
-  Tracks tracks;
-  tracks.width = width;
-  tracks.height = height;
-  for (size_t t = 0; t < shape[0]; ++t) {
-    std::vector<Eigen::Vector2d> position;
-    std::vector<uint8_t> visible;
-    for (size_t i = 0; i < shape[1]; ++i) {
-      const size_t k = t * shape[1] + i;
-      const double v = visibility.values[k];
-      if (!(v >= 0 && v <= 1))
-        throw invalid_input(
-            {path, fmt::format("visibility, frame {}, point {}", t, i), fmt::format("{}", v), "0 to 1"});
-      position.emplace_back(points.values[2 * k] + 0.5, points.values[2 * k + 1] + 0.5);
-      visible.push_back(v > 0.5 && position.back().allFinite() ? 1 : 0);
-    }
-    tracks.position.push_back(std::move(position));
-    tracks.visible.push_back(std::move(visible));
-  }
-  return tracks;
+  return tracks_from(points.values, visibility.values, shape[0], shape[1], width, height,
+                     [&](const std::string& field, const std::string& found) {
+                       return invalid_input({path, field, found, "0 to 1"});
+                     });
 }
 
 Tracks track_by_flow(const std::string& video, const std::vector<QueryPixel>& queries) {
@@ -68,6 +78,8 @@ Tracks track_by_flow(const std::string& video, const std::vector<QueryPixel>& qu
   cv::Mat last;
   splat::decode_video(video, [&](const Image& frame) {
     const cv::Mat picture = grey(frame);
+    if (!last.empty() && last.size() != picture.size())
+      throw invalid_input({video, fmt::format("frame {}", tracks.frames()), "another size", "frames of one size"});
     if (last.empty()) {
       tracks.width = frame.width, tracks.height = frame.height;
     } else if (!now.empty()) {
@@ -91,6 +103,27 @@ Tracks track_by_flow(const std::string& video, const std::vector<QueryPixel>& qu
     tracks.visible.push_back(alive);
   });
   return tracks;
+}
+
+Tracks track_by_server(remote::InferenceClient& tracker, const std::string& name, const std::string& video,
+                       const std::vector<QueryPixel>& queries) {
+  std::vector<std::string> pictures;
+  const splat::VideoInfo info =
+      splat::decode_video(video, [&](const Image& frame) { pictures.push_back(splat::encode_png(frame)); });
+  const size_t frames = pictures.size(), count = queries.size();
+  const auto bad = [&](const std::string& field, const std::string& found) {
+    return remote::provider_error(name, field + ": found " + found + ", expected 0 to 1");
+  };
+  if (count == 0) return tracks_from({}, {}, frames, 0, info.width, info.height, bad);
+  const long T = static_cast<long>(frames), N = static_cast<long>(count);
+  remote::InputTensor points{"queries", "FP32", {1, N, 3}, Json::array()};
+  for (const QueryPixel& q : queries) {
+    for (const int value : {0, q.x, q.y}) points.data.push_back(value);
+  }
+  const auto tensors =
+      tracker.infer_images(name, "frames", pictures, {{"tracks", {1, T, N, 2}}, {"visibility", {1, T, N}}}, {points});
+  return tracks_from(tensors.at("tracks").numbers, tensors.at("visibility").numbers, frames, count, info.width,
+                     info.height, bad);
 }
 
 }  // namespace physmas::eval

@@ -114,9 +114,14 @@ void InferenceClient::require_model(const std::vector<std::string>& inputs, cons
   require("outputs", outputs);
 }
 
+Json InputTensor::json() const {
+  return {{"name", name}, {"shape", shape}, {"datatype", datatype}, {"data", data}};
+}
+
 std::map<std::string, Tensor> InferenceClient::infer_images(const std::string& name, const std::string& input,
                                                             const std::vector<std::string>& png_files,
-                                                            const std::vector<TensorSpecification>& outputs) {
+                                                            const std::vector<TensorSpecification>& outputs,
+                                                            const std::vector<InputTensor>& more) {
   Request request;
   request.name = name_ + "_" + name;
   Json tensor = {{"name", input},
@@ -129,6 +134,7 @@ std::map<std::string, Tensor> InferenceClient::infer_images(const std::string& n
     request.attachments.push_back({fmt::format("/inputs/0/data/{}", i), "", png_files[i], "png"});
   }
   request.body["inputs"] = Json::array({tensor});
+  for (const InputTensor& other : more) request.body["inputs"].push_back(other.json());
   return ask(std::move(request), outputs);
 }
 
@@ -137,9 +143,7 @@ std::map<std::string, Tensor> InferenceClient::infer(const std::string& name, co
   Request request;
   request.name = name_ + "_" + name;
   request.body["inputs"] = Json::array();
-  for (const InputTensor& input : inputs)
-    request.body["inputs"].push_back(
-        {{"name", input.name}, {"shape", input.shape}, {"datatype", input.datatype}, {"data", input.data}});
+  for (const InputTensor& input : inputs) request.body["inputs"].push_back(input.json());
   return ask(std::move(request), outputs);
 }
 

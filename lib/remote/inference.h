@@ -29,6 +29,7 @@ struct InputTensor {
   std::string datatype;  // FP32, INT64, ...
   std::vector<long> shape;
   Json data;  // flat, row-major
+  Json json() const;
 };
 
 class InferenceClient {
@@ -43,10 +44,11 @@ class InferenceClient {
 
   // One inference over a batch of images: input `input` of type BYTES and shape [N], every element the base64 text of
   // a PNG file (content_type "base64"). name: of the exchange, unique. Every specified output must come back with its
-  // shape; the first extent is usually N.
+  // shape; the first extent is usually N. more: inputs of numbers beside the images.
   std::map<std::string, Tensor> infer_images(const std::string& name, const std::string& input,
                                              const std::vector<std::string>& png_files,
-                                             const std::vector<TensorSpecification>& outputs);
+                                             const std::vector<TensorSpecification>& outputs,
+                                             const std::vector<InputTensor>& more = {});
 
   // One inference over numbers; as infer_images otherwise.
   std::map<std::string, Tensor> infer(const std::string& name, const std::vector<InputTensor>& inputs,

@@ -57,6 +57,23 @@ PY
   fails_with 3 "$bin/pm-eval" flow --reference run.mp4 --video run.mp4 --reference-masks masks --out metrics.json -- "masks"
 }
 
+@test "pm-eval tracker: a tracker behind the Open Inference Protocol, its replay, and a reply that does not fit" {
+  make_manifest
+  "$bin/pm-eval" silhouettes --scene bundle/scene.json --inventory inventory.json --state state.h5 --rollout rollouts/support-stiff.h5 --out masks
+  unset http_proxy HTTP_PROXY all_proxy ALL_PROXY
+  tracker() { "$bin/pm-eval" tracker --reference run.mp4 --video run.mp4 --reference-masks masks --tracker "$@" --out metrics.json; }
+  serve good
+  tracker "$url/v2/models/tracker" --exchanges exchanges --timeout 10
+  stop_server
+  grep -q '"tracks": "tracker"' metrics.json
+  grep -A2 '"trajectory_nrmse"' metrics.json | grep -q '"value": 0.0'
+  cp metrics.json live.json
+  tracker replay:exchanges
+  cmp metrics.json live.json
+  serve negative
+  fails_with 4 tracker "$url/v2/models/tracker" --timeout 10 -- "visibility, frame 0, point 0" "found 2"
+}
+
 @test "pm-eval clip: encoders behind the Open Inference Protocol, and their replay" {
   make_manifest
   printf '#version: 0.2\nf a\n' >merges.txt

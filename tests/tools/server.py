@@ -97,6 +97,22 @@ def clip_reply(body):
     return {"model_name": "clip", "outputs": [{"name": name, "datatype": "FP32", "shape": [1, 2], "data": embedding}]}
 
 
+def tracker_reply(body):
+    """Every query moves by one pixel to the right per frame; the first one is hidden after frame 0."""
+    tensors = {t["name"]: t for t in body["inputs"]}
+    frames, (_, n, _) = tensors["frames"]["data"], tensors["queries"]["shape"]
+    assert all(base64.b64decode(f, validate=True).startswith(b"\x89PNG") for f in frames)
+    flat = tensors["queries"]["data"]
+    points = [flat[3 * i + 1 : 3 * i + 3] for i in range(n)]
+    tracks = [[[x + t, y] for x, y in points] for t in range(len(frames))]
+    visibility = [[2.0 if mode == "negative" else float(i > 0 or t == 0) for i in range(n)] for t in range(len(frames))]
+    outputs = [
+        {"name": "tracks", "datatype": "FP32", "shape": [1, len(frames), n, 2], "data": [tracks]},
+        {"name": "visibility", "datatype": "FP32", "shape": [1, len(frames), n], "data": [visibility]},
+    ]
+    return {"model_name": "tracker", "outputs": outputs}
+
+
 class Handler(http.server.BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
 
@@ -124,6 +140,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             inputs = ["crops"]
             if "/clip-" in self.path:
                 inputs, names = ["pixel_values", "input_ids"], ["image_embeds", "text_embeds"]
+            if "/tracker" in self.path:
+                inputs, names = ["frames", "queries"], ["tracks", "visibility"]
             self.reply(
                 200,
                 {
@@ -138,7 +156,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
         body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
         number = self.note(body)
         if self.path.endswith("/infer"):
-            return self.reply(200, clip_reply(body) if "/clip-" in self.path else inference_reply(body))
+            served = clip_reply if "/clip-" in self.path else inference_reply
+            if "/tracker" in self.path:
+                served = tracker_reply
+            return self.reply(200, served(body))
         good = chat_reply(json.dumps(material_answer(body)))
         if mode == "timeout":
             time.sleep(5)
