@@ -88,6 +88,8 @@ std::optional<Eigen::Matrix2d> local_deformation(const Tracks& tracks, size_t t,
 }
 
 Measurement rmse(double sum, long samples) {
+  // Finite positions can still be too far apart to be squared.
+  if (!std::isfinite(sum)) return invalid("positions too large to compare");
   Measurement m;
   m.valid = true;
   m.samples = samples;

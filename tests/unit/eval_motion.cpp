@@ -136,6 +136,14 @@ TEST_CASE("eval: a point that is missing, not finite or not initialised counts i
   CHECK_FALSE(trajectory_nrmse(Tracks{}, Tracks{}).valid);
 }
 
+TEST_CASE("eval: positions whose squares overflow are invalid") {
+  const Tracks reference = grid_tracks(still);
+  Tracks predicted = reference;
+  predicted.position[1][12].x() = 1e300;
+  CHECK_FALSE(trajectory_nrmse(reference, predicted).valid);
+  CHECK_FALSE(strain_rmse(reference, predicted).valid);
+}
+
 TEST_CASE("eval: videos of different size do not compare") {
   const Tracks reference = grid_tracks(still);
   Tracks other = reference;
