@@ -31,6 +31,7 @@ constexpr int kClipContext = 77;  // tokens
 
 // RGB to [3, 224, 224]: shortest side to 224 by bicubic resampling (that of Pillow: antialiased, a = -0.5, 8 bits after
 // each pass), centre crop, scaled to 0..1, normalised per channel with CLIP's mean and deviation.
+// Sides of more than 16 to 1 are an Error (exit code 3).
 std::vector<float> clip_pixels(const Image& frame);
 
 // CLIP's byte-pair encoding. The merges are a file of the user's (bpe_simple_vocab_16e6.txt, unpacked).

@@ -1,13 +1,18 @@
 // CLIP's preprocessing of pictures.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "eval/clip.h"
 
 namespace physmas::eval {
 namespace {
 
 constexpr int kPrecision = 22;  // bits of Pillow's fixed-point weights for 8-bit pictures
+constexpr int kMaxRatio =
+    16;  // of the sides: the crop leaves nearly nothing of longer ones, and their resizing is costly
 constexpr double kMean[] = {0.48145466, 0.4578275, 0.40821073};
 constexpr double kDeviation[] = {0.26862954, 0.26130258, 0.27577711};
 
@@ -70,6 +75,9 @@ int crop_offset(int size) {
 
 std::vector<float> clip_pixels(const Image& frame) {
   const int64_t shortest = std::min(frame.width, frame.height);
+  if (std::max(frame.width, frame.height) > kMaxRatio * shortest)
+    throw invalid_input({"the video", "", fmt::format("{} x {} pixels", frame.width, frame.height),
+                         fmt::format("a longer side of at most {} times the shorter", kMaxRatio)});
   const int width = static_cast<int>(int64_t{kClipSize} * frame.width / shortest);
   const int height = static_cast<int>(int64_t{kClipSize} * frame.height / shortest);
   Image picture = frame.width == width ? frame : resampled(frame, width, true);

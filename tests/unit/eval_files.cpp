@@ -229,6 +229,7 @@ TEST_CASE("eval: CLIP's pictures are resampled, cropped and normalised") {
   }
   const std::vector<float> cropped = clip_pixels(wide);
   CHECK(cropped[0] == doctest::Approx((28 / 255.0 - 0.48145466) / 0.26862954));
+  CHECK(message_of([&] { clip_pixels(Image(4000, 2, 3)); }).find("4000 x 2") != std::string::npos);
   // A ramp stays one when it is halved: the middle of two columns.
   Image ramp(448, 448, 3);
   for (int y = 0; y < 448; ++y) {
