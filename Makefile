@@ -36,7 +36,7 @@ CXXFLAGS := -std=c++17 -march=$(ARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fn
 , := ,
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
-          -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
+          -lopencv_video -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
           -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lz -lfmt
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp)
@@ -46,13 +46,14 @@ TEST_TOOL_SOURCES := $(wildcard tests/tools/*.cpp)
 BENCH_SOURCES := $(wildcard tests/bench/*.cpp)
 SCHEMAS := $(wildcard schemas/*.json)
 PROMPTS := $(wildcard lib/*/prompts/*.txt)
+PAGES := $(wildcard lib/*/pages/*.html)
 TOOLS := $(TOOL_SOURCES:tools/%.cpp=%)
 TEST_TOOL_SOURCES := $(wildcard tests/tools/*.cpp)
 TEST_TOOLS := $(TEST_TOOL_SOURCES:tests/tools/%.cpp=$(BUILD)/test/%)
 BIN := $(BUILD)/bin
 
 objects = $(patsubst %.cpp,$(BUILD)/obj/%.o,$(1))
-LIB_OBJECTS := $(call objects,$(LIB_SOURCES)) $(BUILD)/obj/gen/schemas.o $(BUILD)/obj/gen/prompts.o
+LIB_OBJECTS := $(call objects,$(LIB_SOURCES)) $(addprefix $(BUILD)/obj/gen/,schemas.o prompts.o pages.o)
 LIBRARY := $(BUILD)/libphysmas.a
 
 .PHONY: all
@@ -84,6 +85,15 @@ $(BUILD)/gen/prompts.cpp: $(PROMPTS) Makefile
 	   echo 'namespace physmas::remote { const PromptText kPromptTexts[] = {'; \
 	   for f in $(PROMPTS); do b=$${f#lib/}; b=$${b%.txt}; printf '{"%s", R"pmprompt(' "$${b/\/prompts/}"; cat "$$f"; echo ')pmprompt"},'; done; \
 	   echo '}; const int kPromptTextCount = sizeof(kPromptTexts) / sizeof(kPromptTexts[0]); }'; } > $@
+
+# And the pages that tools write: lib/eval/pages/study.html is "study".
+$(BUILD)/gen/pages.cpp: $(PAGES) Makefile
+	@mkdir -p $(@D)
+	@{ echo '// Generated from lib/*/pages/*.html by the Makefile.'; \
+	   echo '#include "eval/page_text.h"'; \
+	   echo 'namespace physmas::eval { const PageText kPageTexts[] = {'; \
+	   for f in $(PAGES); do b=$${f##*/}; printf '{"%s", R"pmpage(' "$${b%.html}"; cat "$$f"; echo ')pmpage"},'; done; \
+	   echo '}; const int kPageTextCount = sizeof(kPageTexts) / sizeof(kPageTexts[0]); }'; } > $@
 
 $(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.cpp
 	@mkdir -p $(@D)
@@ -123,10 +133,10 @@ endif
 # --- What a bare Debian 12 lacks: one list for people, make and CI ------------------------------------------------
 
 PACKAGES := g++ make libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgproc-dev \
-            libopencv-imgcodecs-dev libavcodec-dev \
+            libopencv-imgcodecs-dev libopencv-video-dev zlib1g-dev libavcodec-dev \
             libavformat-dev libavutil-dev libswscale-dev nlohmann-json3-dev libvalijson-dev \
             libssl-dev libcurl4-openssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats python3 \
-            gnuplot-nox zlib1g-dev
+            gnuplot-nox
 
 # What dpkg does not report as installed. Empty where there is no dpkg: the compiler will tell.
 find_missing = if command -v dpkg-query >/dev/null; then for p in $(PACKAGES); do \

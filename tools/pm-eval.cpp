@@ -9,14 +9,12 @@
 #include "base/log.h"
 #include "candidate/timestep.h"
 #include "eval/accuracy_report.h"
+#include "eval/commands.h"
 #include "eval/gaussian_tracks.h"
 #include "eval/label_accuracy.h"
-#include "eval/motion.h"
 #include "eval/stability_report.h"
 #include "eval/verification.h"
 #include "records/inventory.h"
-#include "records/metrics.h"
-#include "records/plan.h"
 #include "scene/gaussian_files.h"
 
 using namespace physmas;
@@ -27,23 +25,6 @@ struct Options {
   std::string scene, inventory, state, rollout, reference, target, out;
 };
 
-std::vector<uint8_t> target_mask(const Inventory& inventory, const State& state, const std::string& target) {
-  const std::vector<int> rows = resolve_rows(inventory, target);
-  if (!target.empty() && rows.empty()) {
-    std::string known;
-    for (const InventoryObject& object : inventory.objects) known += (known.empty() ? "" : ", ") + object.id;
-    throw Error(ExitCode::usage,
-                fmt::format("--target: found \"{}\", expected an object ({}) or a row key object/part", target, known));
-  }
-  std::vector<uint8_t> mask(state.gaussian_count(), target.empty() ? 1 : 0);
-  for (size_t i = 0; i < mask.size(); ++i) {
-    for (int row : rows) {
-      if (state.gaussian_row[i] == row) mask[i] = 1;
-    }
-  }
-  return mask;
-}
-
 int motion(const Options& options) {
   SceneNeeds needs;
   needs.gaussians = needs.output_cameras = true;
@@ -51,27 +32,20 @@ int motion(const Options& options) {
   const Inventory inventory = load_inventory(options.inventory);
   const State state = load_state(options.state, &inventory);
   const Gaussians gaussians = load_labelled_gaussians(scene.gaussians, state, options.state);
-  const std::vector<uint8_t> target = target_mask(inventory, state, options.target);
+  const std::vector<uint8_t> target = eval::target_gaussians(inventory, state, options.target);
   const RolloutReader rollout(options.rollout, gaussians.size()), reference(options.reference, gaussians.size());
   const std::vector<int> queries = eval::choose_queries(scene, gaussians, state, reference, target);
   const eval::TargetMotion expected = eval::track_target(scene, gaussians, state, reference, target, queries);
   const eval::TargetMotion measured = eval::track_target(scene, gaussians, state, rollout, target, queries);
-  std::vector<MetricEntry> metrics;
-  const auto add = [&](const char* name, const eval::Measurement& m) {
-    metrics.push_back({name, m.valid, m.value, m.samples, m.reason});
-  };
-  add("trajectory_nrmse", eval::trajectory_nrmse(expected.tracks, measured.tracks));
-  add("area_log_rmse", eval::area_log_rmse(expected.areas, measured.areas));
-  add("strain_rmse", eval::strain_rmse(expected.tracks, measured.tracks));
   Provenance provenance;
   provenance.tool = "pm-eval";
   provenance.options = {{"metric", "motion"}, {"target", options.target}};
   for (const std::string& input : {options.scene, options.inventory, options.state, options.rollout, options.reference})
     provenance.add_input(input);
-  save_metrics(options.out, options.target.empty() ? "scene" : options.target, metrics, provenance);
-  for (const MetricEntry& m : metrics)
-    fmt::print("{:<18} {}\n", m.name,
-               m.valid ? fmt::format("{:.4f} ({} samples)", m.value, m.samples) : "invalid: " + m.reason);
+  eval::report_motion(options.out, options.target.empty() ? "scene" : options.target,
+                      eval::trajectory_nrmse(expected.tracks, measured.tracks),
+                      eval::area_log_rmse(expected.areas, measured.areas),
+                      eval::strain_rmse(expected.tracks, measured.tracks), provenance);
   return 0;
 }
 
@@ -245,6 +219,7 @@ int main(int argc, char** argv) {
   StabilityOptions stability_options;
   LabelOptions label_options;
   CLI::App* label_command = nullptr;
+  std::vector<eval::Command> commands;
   CLI::App *verification_command = nullptr, *accuracy_command = nullptr, *stability_command = nullptr;
   return run_tool(
       argc, argv,
@@ -253,9 +228,9 @@ int main(int argc, char** argv) {
        "--reference rollouts/b.h5 --out metrics.json\n"
        "         pm-eval accuracy --out accuracy; pm-eval verification --out verification.json\n"
        "         pm-eval stability --out stability\n"
-       "The other evaluations of the design (clip, aggregate, upr) are not built yet.\n"
-       "Reads physmas/scene/1, inventory/1, state/1, rollout/1; writes physmas/metrics/1, verification/1, accuracy/1,\n"
-       "stability/1.",
+       "         pm-eval aggregate --manifest evaluation.json --upr upr.json --out tables\n"
+       "Reads physmas/scene/1, inventory/1, state/1, rollout/1, metrics/1, evaluation/1, study/1, answers/1, upr/1;\n"
+       "writes physmas/metrics/1, study/1, upr/1, verification/1, accuracy/1, stability/1.",
        [&](CLI::App& app) {
          CLI::App* command = app.add_subcommand(
              "motion", "Trajectory, area and strain errors against a reference rollout of the same state");
@@ -270,9 +245,16 @@ int main(int argc, char** argv) {
          accuracy_command = add_accuracy(app, accuracy_options);
          stability_command = add_stability(app, stability_options);
          label_command = add_labels(app, label_options);
+         for (const auto add : {eval::add_tracks_command, eval::add_flow_command, eval::add_tracker_command,
+                                eval::add_silhouettes_command, eval::add_clip_command, eval::add_study_command,
+                                eval::add_upr_command, eval::add_aggregate_command})
+           commands.push_back(add(app));
          app.require_subcommand(1);
        },
        [&](const CommonOptions& common) {
+         for (const eval::Command& command : commands) {
+           if (command.app->parsed()) return command.work(common);
+         }
          if (label_command->parsed()) return labels(label_options);
          if (accuracy_command->parsed()) return accuracy(accuracy_options, common.threads);
          if (verification_command->parsed()) return verification(verification_options);

@@ -1,8 +1,12 @@
 #include "eval/gaussian_tracks.h"
 
-#include <numeric>
-#include <opencv2/imgproc.hpp>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <numeric>
+
+#include "base/error.h"
+#include "records/plan.h"
 #include "splat/renderer.h"
 #include "splat/transport.h"
 
@@ -18,8 +22,8 @@ class TargetRenderer {
                  const std::vector<uint8_t>& target)
       : scene_(scene), map_(map), renderer_(gaussians), labels_(target.begin(), target.end()) {}
 
-  // 8-bit mask of the target in frame t.
-  cv::Mat silhouette(const splat::TransportedFrame& frame, int t) { return mask_of(render(frame, t, labels_)); }
+  // Mask of the target in frame t, 0 or 255.
+  Image silhouette(const splat::TransportedFrame& frame, int t) { return mask_of(render(frame, t, labels_)); }
 
   // Index of the dominant Gaussian per pixel.
   std::vector<int32_t> dominant(const splat::TransportedFrame& frame, int t) {
@@ -36,10 +40,10 @@ class TargetRenderer {
     options.max_sh_degree = 0;
     return renderer_.render(scene_.output_camera(t), frame.deformation(), options);
   }
-  static cv::Mat mask_of(const splat::RenderedImage& image) {
-    cv::Mat mask(image.height, image.width, CV_8U, cv::Scalar(0));
+  static Image mask_of(const splat::RenderedImage& image) {
+    Image mask(image.width, image.height, 1);
     for (size_t p = 0; p < image.alpha.size(); ++p)
-      mask.data[p] = image.alpha[p] >= kSilhouetteAlpha && image.label[p] == 1 ? 255 : 0;
+      mask.pixels[p] = image.alpha[p] >= kSilhouetteAlpha && image.label[p] == 1 ? 255 : 0;
     return mask;
   }
 
@@ -55,19 +59,13 @@ std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, 
                                 const RolloutReader& rollout, const std::vector<uint8_t>& target) {
   TargetRenderer renderer(scene, gaussians, state.map, target);
   const splat::TransportedFrame frame(rollout.frame(0), state.map);
-  cv::Mat mask = renderer.silhouette(frame, 0);
-  cv::erode(mask, mask, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}), {-1, -1}, 1, cv::BORDER_CONSTANT,
-            cv::Scalar(0));
+  const Image mask = renderer.silhouette(frame, 0);
   const std::vector<int32_t> dominant = renderer.dominant(frame, 0);
   std::vector<int> queries;
-  for (int gy = 0; gy < kGrid; ++gy) {
-    for (int gx = 0; gx < kGrid; ++gx) {
-      const int x = static_cast<int>((gx + 0.5) * mask.cols / kGrid),
-                y = static_cast<int>((gy + 0.5) * mask.rows / kGrid);
-      if (mask.at<uint8_t>(y, x) == 0) continue;
-      const int32_t gaussian = dominant[static_cast<size_t>(y) * mask.cols + x];
-      if (gaussian >= 0 && target[gaussian] != 0) queries.push_back(gaussian);
-    }
+  for (const QueryPixel& q : query_pixels(mask)) {
+    const int32_t gaussian = dominant[static_cast<size_t>(q.y) * mask.width + q.x];
+    if (gaussian >= 0 && target[gaussian] != 0 && std::find(queries.begin(), queries.end(), gaussian) == queries.end())
+      queries.push_back(gaussian);
   }
   return queries;
 }
@@ -82,21 +80,47 @@ TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const 
   for (int t = 0; t < rollout.frame_count(); ++t) {
     const Camera& camera = scene.output_camera(t);
     const splat::TransportedFrame frame(rollout.frame(t), state.map);
-    const cv::Mat mask = renderer.silhouette(frame, t);
-    motion.areas.push_back(cv::countNonZero(mask));
+    const Image mask = renderer.silhouette(frame, t);
+    motion.areas.push_back(mask_areas({mask}).front());
     std::vector<Eigen::Vector2d> position;
     std::vector<uint8_t> visible;
     for (int gaussian : queries) {
       const Eigen::Vector3d q = camera.to_camera(frame.position(gaussian).cast<double>());
       const Eigen::Vector2d u = q.z() > 0 ? camera.project(q) : Eigen::Vector2d(-1, -1);
-      const bool inside = u.allFinite() && u.x() >= 0 && u.y() >= 0 && u.x() < mask.cols && u.y() < mask.rows;
+      const bool inside = u.allFinite() && u.x() >= 0 && u.y() >= 0 && u.x() < mask.width && u.y() < mask.height;
       position.push_back(u);
-      visible.push_back(inside && mask.at<uint8_t>(static_cast<int>(u.y()), static_cast<int>(u.x())) != 0 ? 1 : 0);
+      visible.push_back(inside && *mask.at(static_cast<int>(u.x()), static_cast<int>(u.y())) != 0 ? 1 : 0);
     }
     motion.tracks.position.push_back(std::move(position));
     motion.tracks.visible.push_back(std::move(visible));
   }
   return motion;
+}
+
+std::vector<uint8_t> target_gaussians(const Inventory& inventory, const State& state, const std::string& target) {
+  const std::vector<int> rows = resolve_rows(inventory, target);
+  if (!target.empty() && rows.empty()) {
+    std::string known;
+    for (const InventoryObject& object : inventory.objects) known += (known.empty() ? "" : ", ") + object.id;
+    throw Error(ExitCode::usage,
+                fmt::format("--target: found \"{}\", expected an object ({}) or a row key object/part", target, known));
+  }
+  std::vector<uint8_t> mask(state.gaussian_count(), target.empty() ? 1 : 0);
+  for (size_t i = 0; i < mask.size(); ++i) {
+    for (int row : rows) {
+      if (state.gaussian_row[i] == row) mask[i] = 1;
+    }
+  }
+  return mask;
+}
+
+std::vector<Image> target_silhouettes(const Scene& scene, const Gaussians& gaussians, const State& state,
+                                      const RolloutReader& rollout, const std::vector<uint8_t>& target) {
+  TargetRenderer renderer(scene, gaussians, state.map, target);
+  std::vector<Image> masks;
+  for (int t = 0; t < rollout.frame_count(); ++t)
+    masks.push_back(renderer.silhouette(splat::TransportedFrame(rollout.frame(t), state.map), t));
+  return masks;
 }
 
 }  // namespace physmas::eval

@@ -4,7 +4,8 @@
 
 #include <vector>
 
-#include "eval/motion.h"
+#include "eval/query_grid.h"
+#include "records/inventory.h"
 #include "records/rollout.h"
 #include "records/state.h"
 #include "scene/gaussians.h"
@@ -12,16 +13,14 @@
 
 namespace physmas::eval {
 
-// The fixed query grid lies over the whole image, kGrid x kGrid cell centres, restricted to the eroded target mask.
-constexpr int kGrid = 16;
-
 struct TargetMotion {
   Tracks tracks;
   std::vector<long> areas;  // visible target pixels per frame
 };
 
 // Gaussians that the query grid hits in frame 0 of the reference: under each query pixel inside the target's mask,
-// eroded by one pixel, the target Gaussian with the largest blending weight there.
+// eroded by one pixel, the target Gaussian with the largest blending weight there; one that lies under two query pixels
+// enters once.
 // target: [N_G] 1 where the Gaussian belongs to the target. Returns Gaussian indices in grid order.
 std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, const State& state,
                                 const RolloutReader& rollout, const std::vector<uint8_t>& target);
@@ -31,6 +30,14 @@ std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, 
 TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const State& state,
                           const RolloutReader& rollout, const std::vector<uint8_t>& target,
                           const std::vector<int>& queries);
+
+// [N_G] 1 where the Gaussian belongs to `target`, an object id or a row key; empty: the whole scene. An Error (exit
+// code 2) lists the objects when there is no such target.
+std::vector<uint8_t> target_gaussians(const Inventory& inventory, const State& state, const std::string& target);
+
+// The target's visible silhouette in every frame, 255 inside, all Gaussians as occluders.
+std::vector<Image> target_silhouettes(const Scene& scene, const Gaussians& gaussians, const State& state,
+                                      const RolloutReader& rollout, const std::vector<uint8_t>& target);
 
 }  // namespace physmas::eval
 

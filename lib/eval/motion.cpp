@@ -24,7 +24,20 @@ std::string shape_mismatch(const Tracks& a, const Tracks& b) {
   if (a.points() != b.points())
     return fmt::format("{} predicted points against {} of the reference", b.points(), a.points());
   if (a.frames() == 0 || a.points() == 0) return "no tracked points";
+  if (a.width != b.width || a.height != b.height)
+    return fmt::format("a video of {} x {} pixels against {} x {} of the reference", b.width, b.height, a.width,
+                       a.height);
   return "";
+}
+
+bool measured(const Tracks& tracks, size_t t, size_t i) {
+  return tracks.visible[t][i] != 0 && tracks.position[t][i].allFinite();
+}
+
+// A pair counts when both videos show the point in that frame and in frame 0: one that is hidden in frame 0 was never
+// initialised.
+bool jointly_measured(const Tracks& a, const Tracks& b, size_t t, size_t i) {
+  return measured(a, t, i) && measured(b, t, i) && measured(a, 0, i) && measured(b, 0, i);
 }
 
 // Jointly visible points of each frame; empty where they are fewer than kMinimumPoints.
@@ -32,7 +45,7 @@ std::vector<std::vector<int>> joint_points(const Tracks& a, const Tracks& b) {
   std::vector<std::vector<int>> joint(a.frames());
   for (size_t t = 0; t < a.frames(); ++t) {
     for (size_t i = 0; i < a.points(); ++i) {
-      if (a.visible[t][i] != 0 && b.visible[t][i] != 0) joint[t].push_back(static_cast<int>(i));
+      if (jointly_measured(a, b, t, i)) joint[t].push_back(static_cast<int>(i));
     }
     if (static_cast<int>(joint[t].size()) < kMinimumPoints) joint[t].clear();
   }
@@ -40,14 +53,14 @@ std::vector<std::vector<int>> joint_points(const Tracks& a, const Tracks& b) {
 }
 
 // The kNeighbours nearest points of frame 0, ties by index.
-std::vector<std::vector<int>> neighbour_graph(const std::vector<Eigen::Vector2d>& points,
-                                              const std::vector<uint8_t>& visible) {
+std::vector<std::vector<int>> neighbour_graph(const Tracks& reference) {
+  const std::vector<Eigen::Vector2d>& points = reference.position[0];
   std::vector<std::vector<int>> graph(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
-    if (visible[i] == 0) continue;
+    if (!measured(reference, 0, i)) continue;
     std::vector<int> others;
     for (size_t j = 0; j < points.size(); ++j) {
-      if (j != i && visible[j] != 0) others.push_back(static_cast<int>(j));
+      if (j != i && measured(reference, 0, j)) others.push_back(static_cast<int>(j));
     }
     std::stable_sort(others.begin(), others.end(), [&](int a, int b) {
       return (points[a] - points[i]).squaredNorm() < (points[b] - points[i]).squaredNorm();
@@ -75,6 +88,8 @@ std::optional<Eigen::Matrix2d> local_deformation(const Tracks& tracks, size_t t,
 }
 
 Measurement rmse(double sum, long samples) {
+  // Finite positions can still be too far apart to be squared.
+  if (!std::isfinite(sum)) return invalid("positions too large to compare");
   Measurement m;
   m.valid = true;
   m.samples = samples;
@@ -106,6 +121,8 @@ Measurement area_log_rmse(const std::vector<long>& reference, const std::vector<
   if (reference.size() != predicted.size())
     return invalid(fmt::format("{} predicted frames against {} of the reference", predicted.size(), reference.size()));
   if (reference.empty()) return invalid("no frames");
+  if (reference[0] == 0) return invalid("the target is not seen in frame 0 of the reference");
+  if (predicted[0] == 0) return invalid("the target is not seen in frame 0");
   double sum = 0;
   for (size_t t = 0; t < reference.size(); ++t) {
     const double d = std::log(static_cast<double>(predicted[t]) + 1) - std::log(static_cast<double>(reference[t]) + 1);
@@ -117,11 +134,11 @@ Measurement area_log_rmse(const std::vector<long>& reference, const std::vector<
 Measurement strain_rmse(const Tracks& reference, const Tracks& predicted) {
   const std::string mismatch = shape_mismatch(reference, predicted);
   if (!mismatch.empty()) return invalid(mismatch);
-  const std::vector<std::vector<int>> graph = neighbour_graph(reference.position[0], reference.visible[0]);
+  const std::vector<std::vector<int>> graph = neighbour_graph(reference);
   double sum = 0;
   long samples = 0;
   for (size_t t = 0; t < reference.frames(); ++t) {
-    const auto joint = [&](int i) { return reference.visible[t][i] != 0 && predicted.visible[t][i] != 0; };
+    const auto joint = [&](int i) { return jointly_measured(reference, predicted, t, i); };
     for (size_t i = 0; i < graph.size(); ++i) {
       if (!joint(static_cast<int>(i))) continue;
       std::vector<int> neighbours;

@@ -36,11 +36,12 @@ constexpr int kMinimumNeighbours = 4;
 constexpr double kRidge = 1e-6;
 constexpr double kDegenerate = 1e-6;
 
-// Eq. (supp-traj): trajectory nRMSE over jointly visible point-frame pairs. Both tracks have the same frames and
-// points.
+// Eq. (supp-traj): trajectory nRMSE over point-frame pairs that both videos show in that frame and in frame 0, over the
+// frames with at least kMinimumPoints of them. Both tracks have the same frames, points and image size.
 Measurement trajectory_nrmse(const Tracks& reference, const Tracks& predicted);
 
-// Eq. (supp-area): projected-area log-RMSE. areas: visible target pixels per frame, [T].
+// Eq. (supp-area): projected-area log-RMSE. areas: visible target pixels per frame, [T]. A mask that becomes empty
+// counts with area 0; one that is empty in frame 0 of either video is a target that was not found: invalid.
 Measurement area_log_rmse(const std::vector<long>& reference, const std::vector<long>& predicted);
 
 // Eqs. (supp-strain), (supp-strain-error): local Green-Lagrange strain RMSE over the reference's eight-neighbour graph

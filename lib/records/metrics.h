@@ -17,8 +17,15 @@ struct MetricEntry {
   std::string reason;
 };
 
+// exchanges: with the model servers that the measurements rest on.
 void save_metrics(const std::string& path, const std::string& target, const std::vector<MetricEntry>& metrics,
-                  const Provenance& provenance);
+                  const Provenance& provenance, const std::vector<ExchangeReference>& exchanges = {});
+
+struct MetricsRecord {
+  std::string target;  // what was measured: "scene", an object id or a row key
+  std::vector<MetricEntry> metrics;
+};
+MetricsRecord load_metrics(const std::string& path);
 
 }  // namespace physmas
 

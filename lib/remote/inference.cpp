@@ -129,11 +129,13 @@ std::map<std::string, Tensor> InferenceClient::infer(const std::string& name, co
   request.reply_limit = kReplyLimit;
   request.body["inputs"] = Json::array();
   for (const InputTensor& input : inputs) {
-    Json tensor = {
-        {"name", input.name}, {"shape", input.shape}, {"datatype", input.numbers.empty() ? "BYTES" : "FP32"}};
+    const char* datatype = input.numbers.empty() ? "BYTES" : input.whole ? "INT64" : "FP32";
+    Json tensor = {{"name", input.name}, {"shape", input.shape}, {"datatype", datatype}};
     if (input.numbers.empty()) tensor["parameters"] = {{"content_type", input.png_files.empty() ? "str" : "base64"}};
     tensor["data"] = Json::array();
-    for (const double number : input.numbers) tensor["data"].push_back(number);
+    for (const double number : input.numbers) {
+      tensor["data"].push_back(input.whole ? Json(static_cast<std::int64_t>(number)) : Json(number));
+    }
     for (const std::string& text : input.texts) tensor["data"].push_back(text);
     for (const std::string& png : input.png_files) {
       const std::string place = fmt::format("/inputs/{}/data/{}", request.body["inputs"].size(), tensor["data"].size());

@@ -24,7 +24,8 @@ struct InputTensor {
   std::vector<long> shape;
   std::vector<std::string> png_files;  // BYTES; elements are the base64 text of PNG files (content_type "base64")
   std::vector<std::string> texts;      // BYTES; elements are UTF-8 (content_type "str")
-  std::vector<double> numbers;         // FP32, row-major
+  std::vector<double> numbers;         // row-major
+  bool whole = false;                  // numbers are INT64 instead of FP32
 };
 
 // What an output must be: a negative extent may be anything.
@@ -48,6 +49,8 @@ class InferenceClient {
                                       const std::vector<TensorSpecification>& outputs);
 
  private:
+  std::map<std::string, Tensor> ask(Request request, const std::vector<TensorSpecification>& outputs);
+
   Backend& backend_;
   std::string name_;
 };

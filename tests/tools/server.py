@@ -201,6 +201,38 @@ TENSORS = {
 }
 
 
+def clip_reply(body):
+    """Encoders of two numbers: the text lies along x, every frame at a cosine of 0.6 to it."""
+    (tensor,) = body["inputs"]
+    size = 1
+    for extent in tensor["shape"]:
+        size *= extent
+    assert len(tensor["data"]) == size
+    if tensor["name"] == "input_ids":
+        assert tensor["datatype"] == "INT64" and tensor["shape"] == [1, 77]
+        name, embedding = "text_embeds", [2.0, 0.0]
+    else:
+        assert tensor["datatype"] == "FP32" and tensor["shape"] == [1, 3, 224, 224]
+        name, embedding = "image_embeds", [3.0, 4.0]
+    return {"model_name": "clip", "outputs": [{"name": name, "datatype": "FP32", "shape": [1, 2], "data": embedding}]}
+
+
+def tracker_reply(body):
+    """Every query moves by one pixel to the right per frame; the first one is hidden after frame 0."""
+    tensors = {t["name"]: t for t in body["inputs"]}
+    frames, (_, n, _) = tensors["frames"]["data"], tensors["queries"]["shape"]
+    assert all(base64.b64decode(f, validate=True).startswith(b"\x89PNG") for f in frames)
+    flat = tensors["queries"]["data"]
+    points = [flat[3 * i + 1 : 3 * i + 3] for i in range(n)]
+    tracks = [[[x + t, y] for x, y in points] for t in range(len(frames))]
+    visibility = [[2.0 if mode == "negative" else float(i > 0 or t == 0) for i in range(n)] for t in range(len(frames))]
+    outputs = [
+        {"name": "tracks", "datatype": "FP32", "shape": [1, len(frames), n, 2], "data": [tracks]},
+        {"name": "visibility", "datatype": "FP32", "shape": [1, len(frames), n], "data": [visibility]},
+    ]
+    return {"model_name": "tracker", "outputs": outputs}
+
+
 class Handler(http.server.BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
 
@@ -225,6 +257,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.end_headers()
         else:
             inputs, names = TENSORS.get(self.path.split("/")[-1], (["crops"], OUTPUTS))
+            if "/clip-" in self.path:
+                inputs, names = ["pixel_values", "input_ids"], ["image_embeds", "text_embeds"]
+            if "/tracker" in self.path:
+                inputs, names = ["frames", "queries"], ["tracks", "visibility"]
             names = names[:-1] if mode == "no-such-output" else names
             self.reply(
                 200,
@@ -243,7 +279,12 @@ class Handler(http.server.BaseHTTPRequestHandler):
             if mode == "infer-500":
                 return self.reply(500, {"error": "out of memory, said " + self.headers.get("Authorization", "")})
             replies = {"grounding-dino": detector_reply, "sam2": segmenter_reply}
-            return self.reply(200, replies.get(self.path.split("/")[-2], inference_reply)(body))
+            served = replies.get(self.path.split("/")[-2], inference_reply)
+            if "/clip-" in self.path:
+                served = clip_reply
+            if "/tracker" in self.path:
+                served = tracker_reply
+            return self.reply(200, served(body))
         good = chat_reply(json.dumps(answer_to(body)))
         if mode == "timeout":
             time.sleep(5)

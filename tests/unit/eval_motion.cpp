@@ -99,8 +99,64 @@ TEST_CASE("eval: points on a line have no local deformation") {
   CHECK_FALSE(strain_rmse(line, line).valid);
 }
 
-TEST_CASE("eval: areas compare by logarithm, and an empty mask stays finite") {
+TEST_CASE("eval: areas compare by logarithm, and a mask that empties stays finite") {
   CHECK(area_log_rmse({100, 100}, {100, 100}).value == 0);
   CHECK(area_log_rmse({99, 99}, {199, 199}).value == doctest::Approx(100 * std::log(2.0)));
-  CHECK(area_log_rmse({0}, {99}).value == doctest::Approx(100 * std::log(100.0)));
+  CHECK(area_log_rmse({99, 0}, {99, 99}).value == doctest::Approx(100 * std::log(100.0) / std::sqrt(2.0)));
+}
+
+TEST_CASE("eval: a target that frame 0 does not show is invalid, not zero") {
+  CHECK_FALSE(area_log_rmse({0, 0}, {0, 0}).valid);
+  CHECK(area_log_rmse({5, 5}, {0, 5}).reason.find("frame 0") != std::string::npos);
+  CHECK_FALSE(area_log_rmse({}, {}).valid);
+}
+
+TEST_CASE("eval: an object scaled about its middle has closed-form track, area and strain errors") {
+  const double s = 1.5;
+  const Eigen::Vector2d middle(40, 50);
+  const Tracks reference = grid_tracks(still);
+  const Tracks scaled =
+      grid_tracks([&](const Eigen::Vector2d& p) { return Eigen::Vector2d(middle + s * (p - middle)); });
+  // The mean square of the offsets -20, -10, 0, 10, 20 is 200 per axis; half of the pairs moved.
+  const double square = 0.5 * (s - 1) * (s - 1) * (200.0 / (200 * 200) + 200.0 / (100 * 100));
+  CHECK(trajectory_nrmse(reference, scaled).value == doctest::Approx(100 * std::sqrt(square)));
+  // E = (s^2 - 1) / 2 on the diagonal; the ridge perturbs F by about 1e-6.
+  CHECK(strain_rmse(reference, scaled).value ==
+        doctest::Approx(100 * std::sqrt(0.5 * 2) * 0.5 * (s * s - 1)).epsilon(1e-5));
+}
+
+TEST_CASE("eval: a point that is missing, not finite or not initialised counts in no frame") {
+  const Tracks reference = grid_tracks(still);
+  Tracks predicted = grid_tracks([](const Eigen::Vector2d& p) { return Eigen::Vector2d(p + Eigen::Vector2d(4, 0)); });
+  predicted.position[1][3].x() = std::nan("");  // visible, it claims
+  CHECK(trajectory_nrmse(reference, predicted).samples == 49);
+  CHECK(std::isfinite(strain_rmse(reference, predicted).value));
+  predicted.visible[0][7] = 0;  // hidden in frame 0: never initialised, so frame 1 does not count either
+  CHECK(trajectory_nrmse(reference, predicted).samples == 47);
+  CHECK_FALSE(trajectory_nrmse(Tracks{}, Tracks{}).valid);
+}
+
+TEST_CASE("eval: positions whose squares overflow are invalid") {
+  const Tracks reference = grid_tracks(still);
+  Tracks predicted = reference;
+  predicted.position[1][12].x() = 1e300;
+  CHECK_FALSE(trajectory_nrmse(reference, predicted).valid);
+  CHECK_FALSE(strain_rmse(reference, predicted).valid);
+}
+
+TEST_CASE("eval: videos of different size do not compare") {
+  const Tracks reference = grid_tracks(still);
+  Tracks other = reference;
+  other.width = 201;
+  CHECK(trajectory_nrmse(reference, other).reason.find("201") != std::string::npos);
+}
+
+TEST_CASE("eval: a centre needs four of its eight neighbours in both videos") {
+  const Tracks reference = grid_tracks(still);
+  Tracks predicted = reference;
+  // Only the corner point 0 and its neighbours 1, 5, 6 remain: three, so nothing can be measured.
+  for (size_t i = 0; i < 25; ++i) predicted.visible[1][i] = i == 0 || i == 1 || i == 5 || i == 6 ? 1 : 0;
+  CHECK(strain_rmse(reference, predicted).samples == 25);  // frame 0 alone
+  predicted.visible[1][2] = 1;                             // a neighbour of 0 and 1, too
+  CHECK(strain_rmse(reference, predicted).samples > 25);
 }

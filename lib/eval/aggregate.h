@@ -1,0 +1,60 @@
+// From the records of single results to the paper's Tables 1 to 5.
+#ifndef PHYSMAS_EVAL_AGGREGATE_H
+#define PHYSMAS_EVAL_AGGREGATE_H
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "eval/sets.h"
+#include "eval/table.h"
+#include "records/evaluation.h"
+#include "records/study.h"
+
+namespace physmas::eval {
+
+// One result: a method on a case.
+struct ResultScores {
+  size_t case_index = 0;  // into Evaluation::cases
+  std::string method;
+  bool done = false;
+  std::string reason;                  // why not
+  std::map<std::string, Score> score;  // clip_sim, trajectory_nrmse, area_log_rmse, strain_rmse, seconds,
+                                       // upr/comparison, upr/ablation
+};
+
+class Aggregate {
+ public:
+  // Reads every metrics record that the manifest names. A failed result has invalid scores. Of a multi-object case the
+  // motion metrics are the mean over its registered objects; an object without a record makes them invalid.
+  // Errors (exit code 3): a record that cannot be read, one that measures a metric and target a second time, rates of a
+  // study with other methods or cases.
+  Aggregate(const Evaluation& evaluation, const std::vector<UprRecord>& rates);
+
+  const std::vector<ResultScores>& results() const { return results_; }
+  // "case, method: metric: reason" for every required metric that a result of a table lacks.
+  std::vector<std::string> lacking() const;
+
+  // The row of every result, failures included.
+  Table case_table() const;
+  // Tables 1 to 5 of the paper; Table 5 only with an ablation.
+  std::vector<Table> paper_tables() const;
+
+ private:
+  Score reported(const std::string& method, const std::string& metric, const std::string& set) const;
+  void read_result(size_t case_index, const std::string& method);
+  void add_rates(const UprRecord& rates);
+  Table profile_table() const;
+  Table multi_object_table() const;
+  Table runtime_table() const;
+  Table motion_table() const;
+  Table ablation_table() const;
+
+  const Evaluation& evaluation_;
+  std::vector<CaseSets> sets_;
+  std::vector<ResultScores> results_;  // by case, then in the manifest's order of methods
+};
+
+}  // namespace physmas::eval
+
+#endif

@@ -1,0 +1,53 @@
+// Tables of scores as LaTeX, Markdown and CSV.
+#ifndef PHYSMAS_EVAL_TABLE_H
+#define PHYSMAS_EVAL_TABLE_H
+
+#include <string>
+#include <vector>
+
+#include "eval/sets.h"
+
+namespace physmas::eval {
+
+// A number with its format; an invalid one prints as "invalid", an absent one as a dash.
+struct Number {
+  Score score;
+  int decimals = 4;
+  bool percent = false;
+  bool best = false;
+  std::string text() const;
+};
+
+// One cell: a text, or one number, or two with a slash between.
+struct Cell {
+  std::string text;
+  std::vector<Number> numbers;
+};
+
+struct Table {
+  // Columns of one group stand next to each other; a group "" has no heading of its own.
+  struct Column {
+    std::string group, name;
+    std::vector<std::string> parts;  // of two-number cells, for CSV
+  };
+  struct Row {
+    std::string label;
+    std::vector<Cell> cells;  // one per column
+  };
+  std::string name;     // file stem
+  std::string corner;   // heading of the row labels
+  std::string caption;  // one sentence
+  std::vector<Column> columns;
+  std::vector<Row> rows;
+
+  std::string latex() const;     // a booktabs tabular with its caption
+  std::string markdown() const;  // a pipe table under its caption
+  std::string csv() const;       // one number per column, all digits; empty where there is none
+};
+
+// Marks the best valid numbers among these, unless one of them is invalid: then nobody is known to be best.
+void mark_best(const std::vector<Number*>& numbers, bool higher_is_better);
+
+}  // namespace physmas::eval
+
+#endif
