@@ -212,6 +212,10 @@ batch: batch-finished ## Run many scenes and write one table: SCENES="cake my/sc
 .PHONY: test test-unit test-cli
 test: test-unit test-fuzz test-cli ## Run every test (SAN=1 for sanitizers)
 
+# So that CI compiles in parallel and tests one after the other.
+.PHONY: test-programs
+test-programs: all $(BUILD)/test/unit $(TEST_TOOLS) $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%)
+
 test-unit: $(BUILD)/test/unit ## The C++ tests
 	@$(BUILD)/test/unit
 
