@@ -153,8 +153,8 @@ StabilityRun run_case(const StabilityCase& c, bool cfl, mpm::Precision precision
   run.outside = result.particles_outside;
   if (!run.stable) {
     // Under a stress cone the surplus never shows: everything since the start is late.
-    run.late = run.reason == "step" ? run.first_bad_step + 1
-                                    : detection_delay(c, timing, precision, run.first_bad_step);
+    run.late =
+        run.reason == "step" ? run.first_bad_step + 1 : detection_delay(c, timing, precision, run.first_bad_step);
     return run;
   }
   const double duration = timing.frame_dt * (timing.frames - 1);

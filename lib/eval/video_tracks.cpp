@@ -120,9 +120,8 @@ Tracks track_by_server(remote::InferenceClient& tracker, const std::string& name
   for (const QueryPixel& q : queries) {
     for (const int value : {0, q.x, q.y}) points.numbers.push_back(value);
   }
-  const auto tensors =
-      tracker.infer(name, {{"frames", {T}, pictures, {}, {}}, points},
-                    {{"tracks", {1, T, N, 2}}, {"visibility", {1, T, N}}});
+  const auto tensors = tracker.infer(name, {{"frames", {T}, pictures, {}, {}}, points},
+                                     {{"tracks", {1, T, N, 2}}, {"visibility", {1, T, N}}});
   return tracks_from(tensors.at("tracks").numbers, tensors.at("visibility").numbers, frames, count, info.width,
                      info.height, bad);
 }

@@ -59,7 +59,8 @@ PHYSMAS_INLINE void order_rows(Mat3<T>& B, Mat3<T>& Ut, Vec3<T>& n, int p, int q
 
 // One-sided Jacobi on the rows of F, cyclic, until all pairs are orthogonal to rounding (quadratic convergence: three
 // to five sweeps). Small singular values keep their relative accuracy, unlike with eigenvalues of F Fᵀ. F is scaled by
-// its largest entry first, so tiny and huge matrices are fine; the zero matrix (and subnormal entries) gives s = 0 and identity rotations.
+// its largest entry first, so tiny and huge matrices are fine; the zero matrix (and subnormal entries) gives s = 0 and
+// identity rotations.
 template <class T>
 PHYSMAS_INLINE Svd<T> svd(const Mat3<T>& F) {
   using svd_detail::order_rows;

@@ -77,7 +77,8 @@ TEST_CASE("mpm stiffness: at rest it is 3 kappa or 2 mu, whichever is larger") {
       CHECK(rest_stiffness(p) == rest);
       const double bound = stiffness_bound(branch, p, identity<double>());
       CHECK(bound >= rest);
-      // The coupling of sand's cone is the largest surcharge, sqrt(1 + 3 · 0.3266²) = 1.149; shear is rounded up by 1 %.
+      // The coupling of sand's cone is the largest surcharge, sqrt(1 + 3 · 0.3266²) = 1.149; shear is rounded up by 1
+      // %.
       CHECK(bound <= 1.17 * rest);
     }
   }
