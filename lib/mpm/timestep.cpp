@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mpm/state_lanes.h"
 #include "mpm/stiffness.h"
 
 namespace physmas::mpm {
@@ -38,44 +39,22 @@ void add_time(StepReport& total, const StepReport& part) {
 
 StepBounds measure_bounds(const StepperSetup& setup, const State& state) {
   using V = Lanes<double>;
-  constexpr int W = kLanes<double>;
-  constexpr int kShare = 1024;  // particles per call
-  const int count = static_cast<int>(state.size());
-  const int shares = (count + kShare - 1) / kShare;
   struct Partial {
     double softness = std::numeric_limits<double>::infinity();  // ρ/a
     double speed = 0, gradient = 0;                             // squared
   };
-  std::vector<Partial> partial(shares);
-  setup.team->for_each(shares, [&](int share) {
-    Partial& out = partial[share];
-    const int end = std::min(count, (share + 1) * kShare);
-    for (int first = share * kShare; first < end; first += W) {
-      Mat3<V> F = identity<V>();
-      MaterialParameters<V> p{};
-      bool present[kBranchCount] = {};
-      for (int l = 0; l < W && first + l < end; ++l) {
-        const int i = first + l;
-        for (int a = 0; a < 3; ++a)
-          for (int b = 0; b < 3; ++b) F[a][b][l] = state.F[i][a][b];
-        const MaterialParameters<double>& q = setup.parameters[setup.row[i]];
-        p.mu[l] = q.mu, p.lambda[l] = q.lambda, p.bulk[l] = q.bulk;
-        p.alpha[l] = q.alpha, p.cohesion[l] = q.cohesion, p.friction[l] = q.friction;
-        present[static_cast<int>(setup.branches[setup.row[i]])] = true;
-        out.speed = std::max(out.speed, dot(state.v[i], state.v[i]));
-        out.gradient = std::max(out.gradient, squared_norm(state.C[i]));
-      }
-      for (int branch = 0; branch < kBranchCount; ++branch) {
-        if (!present[branch]) continue;
-        const V stiffness = stiffness_bound(static_cast<Branch>(branch), p, F);
-        for (int l = 0; l < W && first + l < end; ++l) {
-          const int row = setup.row[first + l];
-          if (static_cast<int>(setup.branches[row]) != branch) continue;
-          out.softness = std::min(out.softness, setup.parameters[row].density / double(stiffness[l]));
+  const auto partial = over_state<Partial>(
+      setup, state,
+      [&](Partial& out, Branch branch, const MaterialParameters<V>& p, const Mat3<V>& F, int first, const bool* mine) {
+        const V stiffness = stiffness_bound(branch, p, F);
+        for (int l = 0; l < kLanes<double>; ++l) {
+          if (!mine[l]) continue;
+          const int i = first + l;
+          out.softness = std::min(out.softness, setup.parameters[setup.row[i]].density / double(stiffness[l]));
+          out.speed = std::max(out.speed, dot(state.v[i], state.v[i]));
+          out.gradient = std::max(out.gradient, squared_norm(state.C[i]));
         }
-      }
-    }
-  });
+      });
   Partial total;
   for (const Partial& p : partial) {
     total.softness = std::min(total.softness, p.softness);
