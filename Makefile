@@ -48,7 +48,6 @@ SCHEMAS := $(wildcard schemas/*.json)
 PROMPTS := $(wildcard lib/*/prompts/*.txt)
 PAGES := $(wildcard lib/*/pages/*.html)
 TOOLS := $(TOOL_SOURCES:tools/%.cpp=%)
-TEST_TOOL_SOURCES := $(wildcard tests/tools/*.cpp)
 TEST_TOOLS := $(TEST_TOOL_SOURCES:tests/tools/%.cpp=$(BUILD)/test/%)
 BIN := $(BUILD)/bin
 
