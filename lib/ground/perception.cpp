@@ -20,14 +20,15 @@ namespace {
 // Two objects whose masks share more than this of their union are one thing, or one of the masks is wrong.
 constexpr double kSameMask = 0.95;
 
-std::vector<ViewMasks> segment_views(const std::vector<ViewImage>& images, const Inventory& inventory,
-                                     const Eigen::Vector3d& background) {
-  std::vector<ViewMasks> views(images.size());
+std::vector<Segmentation> segment_views(const std::vector<ViewImage>& images, const Inventory& inventory,
+                                        const RunSpecification& run) {
+  std::vector<Segmentation> views(images.size());
   // OpenCV fills its CIELAB tables on first use, without a lock: one conversion before the threads start.
   cv::Mat pixel(1, 1, CV_8UC3, cv::Scalar::all(0));
   cv::cvtColor(pixel, pixel, cv::COLOR_RGB2Lab);
 #pragma omp parallel for schedule(dynamic)
-  for (size_t v = 0; v < images.size(); ++v) views[v] = segment_view(images[v], inventory, background);
+  for (size_t v = 0; v < images.size(); ++v)
+    views[v] = segment_view(images[v], inventory, run.render.background, run.segmentation.grabcut);
   return views;
 }
 
@@ -133,9 +134,18 @@ Perception perceive(const Scene& scene, Inventory& inventory, const std::vector<
       search.emplace(scene, pictures, *source.models);
       perception.files.push_back(scene.gaussians);
     }
+    std::vector<Omission> unrefined;  // of the last attempt
     const auto attempt = [&] {
-      perception.views =
-          search ? search->find(inventory, queries) : segment_views(images, inventory, scene.run.render.background);
+      unrefined.clear();
+      perception.views.clear();
+      if (search) {
+        perception.views = search->find(inventory, queries);
+        return;
+      }
+      for (Segmentation& view : segment_views(images, inventory, scene.run)) {
+        perception.views.push_back(std::move(view.masks));
+        unrefined.insert(unrefined.end(), view.omitted.begin(), view.omitted.end());
+      }
     };
     attempt();
     const std::vector<std::string> missed = without_support(inventory, perception.views);
@@ -146,6 +156,7 @@ Perception perceive(const Scene& scene, Inventory& inventory, const std::vector<
       perception.omitted.push_back({"masks of the first attempt", "nothing was found of " + join(missed)});
       attempt();
     }
+    perception.omitted.insert(perception.omitted.end(), unrefined.begin(), unrefined.end());
   }
   report(inventory, source, perception);
   const bool anything = std::any_of(perception.views.begin(), perception.views.end(), [](const ViewMasks& view) {

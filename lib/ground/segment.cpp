@@ -1,11 +1,15 @@
 #include "ground/segment.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+
+#include "ground/refine.h"
 
 namespace physmas::ground {
 namespace {
@@ -23,6 +27,8 @@ constexpr int kSmoothing = 5;       // pixels, edge of the Gaussian window on th
 constexpr int kReach = 24;          // pixels that a row's label may spread into foreground that fits no row
 constexpr int kSmallestPiece = 12;  // pixels; smaller connected pieces of a row are noise
 constexpr int kUnassigned = -1;
+constexpr const char* kHintsSource = "hints";
+constexpr const char* kRefinedSource = "hints, GrabCut";
 
 // Whether the hints say anything about this view.
 bool shown_by(const AppearanceHints& hints, const std::string& view) {
@@ -149,12 +155,14 @@ Mask mask_from(const cv::Mat& inside, double confidence, const std::string& sour
 
 // What the rows' hints make of one view's foreground.
 struct Partition {
-  std::vector<int> rows;        // inventory row of each label
-  std::vector<cv::Mat> masks;   // by label
-  std::vector<double> margins;  // by label, mean over the mask, 0..1
+  std::vector<int> rows;                // inventory row of each label
+  std::vector<cv::Mat> masks;           // by label
+  std::vector<double> margins;          // by label, mean over the mask, 0..1
+  std::vector<Refinement> refinements;  // by label; empty without GrabCut
 };
 
-Partition partition_foreground(const ViewImage& image, const cv::Mat& foreground, const Inventory& inventory) {
+Partition partition_foreground(const ViewImage& image, const cv::Mat& foreground, const Inventory& inventory,
+                               bool grabcut) {
   Partition partition;
   cv::Mat lab;
   cv::cvtColor(image.rgb, lab, cv::COLOR_RGB2Lab);
@@ -172,6 +180,7 @@ Partition partition_foreground(const ViewImage& image, const cv::Mat& foreground
   Winners winners = best_scores(scores, inner);
   drop_specks(winners.index, static_cast<int>(scores.size()));
   spread_labels(winners.index, foreground);
+  if (grabcut) partition.refinements = refine_boundaries(image.rgb, static_cast<int>(scores.size()), winners.index);
   for (size_t k = 0; k < partition.rows.size(); ++k) {
     partition.masks.push_back(winners.index == static_cast<int>(k));
     partition.margins.push_back(cv::mean(winners.margin, partition.masks.back())[0]);
@@ -220,17 +229,26 @@ Foreground find_foreground(const ViewImage& image, const Eigen::Vector3d& backgr
   return foreground;
 }
 
-ViewMasks segment_view(const ViewImage& image, const Inventory& inventory, const Eigen::Vector3d& background) {
+Segmentation segment_view(const ViewImage& image, const Inventory& inventory, const Eigen::Vector3d& background,
+                          bool grabcut) {
   const Foreground foreground = find_foreground(image, background);
-  ViewMasks view;
+  Segmentation segmentation;
+  ViewMasks& view = segmentation.masks;
   view.view = image.view;
   view.objects.resize(inventory.objects.size());
   view.rows.resize(inventory.rows.size());
-  const Partition partition = partition_foreground(image, foreground.mask, inventory);
+  const Partition partition = partition_foreground(image, foreground.mask, inventory, grabcut);
   cv::Mat rest = foreground.mask.clone();
   for (size_t k = 0; k < partition.rows.size(); ++k) {
     const double confidence = foreground.confidence * (0.5 + 0.5 * partition.margins[k]);
-    view.rows[partition.rows[k]] = mask_from(partition.masks[k], confidence, "hints");
+    const Refinement refinement = grabcut ? partition.refinements[k] : Refinement::untouched;
+    view.rows[partition.rows[k]] =
+        mask_from(partition.masks[k], confidence, refinement == Refinement::refined ? kRefinedSource : kHintsSource);
+    if (refinement == Refinement::too_large) {
+      segmentation.omitted.push_back(
+          {fmt::format("GrabCut of {} in {}", inventory.rows[partition.rows[k]].key(), image.view),
+           fmt::format("the view has more than {} pixels to cut", kMostPixels)});
+    }
     rest.setTo(0, partition.masks[k]);
   }
   const bool single = inventory.objects.size() == 1;
@@ -239,6 +257,7 @@ ViewMasks segment_view(const ViewImage& image, const Inventory& inventory, const
     std::vector<int> unhinted;
     cv::Mat united = cv::Mat::zeros(foreground.mask.size(), CV_8U);
     double weighted = 0, area = 0;
+    const char* source = kHintsSource;
     for (size_t r = 0; r < inventory.rows.size(); ++r) {
       const InventoryRow& row = inventory.rows[r];
       if (row.object != object.id || row.residual) continue;
@@ -246,13 +265,13 @@ ViewMasks segment_view(const ViewImage& image, const Inventory& inventory, const
       const auto k = std::find(partition.rows.begin(), partition.rows.end(), static_cast<int>(r));
       if (k == partition.rows.end() || view.rows[r].empty()) continue;
       united |= partition.masks[k - partition.rows.begin()];
+      if (view.rows[r].source == kRefinedSource) source = kRefinedSource;
       const double pixels = static_cast<double>(view.rows[r].area());
       weighted += view.rows[r].confidence * pixels;
       area += pixels;
     }
     cv::Mat own = united;
     double confidence = area > 0 ? weighted / area : foreground.confidence;
-    const char* source = "hints";
     if (shown_by(object.hints, image.view)) {
       cv::Mat lab;
       cv::cvtColor(image.rgb, lab, cv::COLOR_RGB2Lab);
@@ -269,7 +288,7 @@ ViewMasks segment_view(const ViewImage& image, const Inventory& inventory, const
     }
     view.objects[o] = mask_from(own, confidence, source);
   }
-  return view;
+  return segmentation;
 }
 
 }  // namespace physmas::ground

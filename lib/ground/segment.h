@@ -7,6 +7,7 @@
 #include "ground/view_image.h"
 #include "records/inventory.h"
 #include "records/masks.h"
+#include "records/provenance.h"
 
 namespace physmas::ground {
 
@@ -29,12 +30,19 @@ double hint_distance(const Eigen::Vector3d& pixel_lab, const Eigen::Vector3d& hi
 // CIELAB of an sRGB colour in 0..1.
 Eigen::Vector3d lab_of(const Eigen::Vector3d& srgb);
 
+struct Segmentation {
+  ViewMasks masks;
+  std::vector<Omission> omitted;  // boundaries that were not refined because the image is large
+};
+
 // Masks of one view, in inventory order. Every foreground pixel goes to the row whose hints fit best within their
 // tolerance; a row without hints takes what the others of its object leave, if it is the only one. Objects are the
 // union of their rows, or what their own hints say; a single object is the whole foreground. Residual rows and rows
 // that the view does not show have empty masks. Confidences: of the foreground times the mean margin between the best
-// and the second row, mapped from 0..1 to 0.5..1.
-ViewMasks segment_view(const ViewImage& image, const Inventory& inventory, const Eigen::Vector3d& background);
+// and the second row, mapped from 0..1 to 0.5..1. grabcut: refine the boundaries between rows (ground/refine.h); the
+// source of a mask says whether that was done: "hints, GrabCut" or "hints".
+Segmentation segment_view(const ViewImage& image, const Inventory& inventory, const Eigen::Vector3d& background,
+                          bool grabcut);
 
 }  // namespace physmas::ground
 

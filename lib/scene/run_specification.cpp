@@ -125,6 +125,7 @@ RunSpecification run_specification_from(const Json& json, const std::string& fil
   read(particles, "per_cell", run.particles.per_cell);
   read(particles, "fill", run.particles.fill);
 
+  read(section("segmentation"), "grabcut", run.segmentation.grabcut);
   if (section("lifting").contains("occlusion")) {
     run.lifting.occlusion = static_cast<RunSpecification::Lifting::Occlusion>(
         index_of(kOcclusions, json.at("lifting").at("occlusion").get<std::string>()));
@@ -210,6 +211,7 @@ Json to_json(const RunSpecification& run) {
   }
   json["walls"] = run.walls;
   json["particles"] = {{"max", run.particles.max}, {"per_cell", run.particles.per_cell}, {"fill", run.particles.fill}};
+  json["segmentation"] = {{"grabcut", run.segmentation.grabcut}};
   json["lifting"] = {{"occlusion", kOcclusions[static_cast<int>(run.lifting.occlusion)]}};
   json["profile"] = {{"foam_yield", run.profile.foam_yield},
                      {"foam_viscosity", run.profile.foam_viscosity},

@@ -60,6 +60,10 @@ struct RunSpecification {
     bool fill = true;
   } particles;
 
+  struct Segmentation {
+    bool grabcut = true;  // the built-in segmenter refines the boundaries between parts
+  } segmentation;
+
   struct Lifting {
     // none: a Gaussian takes evidence from every view that it projects into, seen or not, as the paper writes it.
     // depth: only from views in which nothing lies in front of it.
