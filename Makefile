@@ -278,7 +278,7 @@ test-fuzz: $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%) ## Replay the fuzzing corpus
 # --- Benchmarks ---------------------------------------------------------------------------------------------------
 
 .PHONY: bench
-bench: $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%) ## Speed: particle-steps per second of the solver, milliseconds per frame of the renderer
+bench: $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%) ## Speed of the solver, the renderer and lifting
 	$(Q)for b in $^; do $$b || exit; done
 
 # --- Studies of the solver ----------------------------------------------------------------------------------------
