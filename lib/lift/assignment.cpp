@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "lift/evidence.h"
+#include "scene/color.h"
 #include "scene/neighbors.h"
 #include "splat/visibility.h"
 
@@ -158,7 +159,6 @@ long rescue(const std::vector<Eigen::Vector3f>& means, const std::vector<int32_t
 // between two shades of one paint. The look is the chromaticity of the colour at degree 0 (shading scales all channels
 // alike) with a little lightness.
 std::vector<Eigen::Matrix<float, 6, 1>> places_and_looks(const Gaussians& gaussians) {
-  constexpr float kShC0 = 0.28209479177387814f;
   constexpr float kPlaceUnit = 0.1f, kLookUnit = 0.04f, kLightness = 0.05f;
   Eigen::Vector3f low = gaussians.position[0], high = low;
   for (const Eigen::Vector3f& p : gaussians.position) {
@@ -168,9 +168,9 @@ std::vector<Eigen::Matrix<float, 6, 1>> places_and_looks(const Gaussians& gaussi
   const float unit = std::max(kPlaceUnit * (high - low).norm(), std::numeric_limits<float>::min());
   std::vector<Eigen::Matrix<float, 6, 1>> features(gaussians.size());
   for (size_t i = 0; i < gaussians.size(); ++i) {
-    const Eigen::Vector3f rgb = (kShC0 * gaussians.sh_of(i)[0]).array() + 0.5f;
-    const Eigen::Vector3f cut = rgb.cwiseMax(0.02f).cwiseMin(1.0f);
-    const Eigen::Vector3f look = cut / cut.sum() + Eigen::Vector3f::Constant(kLightness * cut.mean());
+    const Eigen::Vector3f color = gaussians.base_color(i);
+    const float lightness = color.cwiseMax(0.02f).cwiseMin(1.0f).mean();
+    const Eigen::Vector3f look = chromaticity(color) + Eigen::Vector3f::Constant(kLightness * lightness);
     features[i] << gaussians.position[i] / unit, look / kLookUnit;
   }
   return features;

@@ -48,8 +48,8 @@ struct LiftingInput {
 // reliable neighbour decides is residual; the cleanup pass hands each row the nearest of the residual Gaussians whose
 // nearest labelled Gaussian has that row, up to the rescue target.
 //
-// With the depth test, views that do not see a Gaussian leave Omega_i. A Gaussian that lies behind others in every view
-// takes the vote of the reliable Gaussians that are nearest in place and colour (12 for objects, 16 for parts).
+// With the depth test, views that do not see a Gaussian leave Omega_i (splat/visibility.h). A Gaussian that no view
+// sees takes the vote of the reliable Gaussians that are nearest in place and colour (12 for objects, 16 for parts).
 Labels assign_rows(const LiftingInput& input);
 
 // min(candidates, max(64, round(0.003 N_G))), round half away from zero.

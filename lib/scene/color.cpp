@@ -24,4 +24,9 @@ Eigen::Vector3d lab_of_srgb(const Eigen::Vector3d& srgb) {
   return {116 * y - 16, 500 * (x - y), 200 * (y - z)};
 }
 
+Eigen::Vector3f chromaticity(const Eigen::Vector3f& srgb) {
+  const Eigen::Vector3f cut = srgb.cwiseMax(0.02f).cwiseMin(1.0f);
+  return cut / cut.sum();
+}
+
 }  // namespace physmas

@@ -51,6 +51,8 @@ struct Gaussians {
   }
 
   const Eigen::Vector3f* sh_of(size_t i) const { return &sh[i * sh_coefficient_count(sh_degree)]; }
+  // sRGB at degree 0, not cut.
+  Eigen::Vector3f base_color(size_t i) const { return (0.28209479177387814f * sh_of(i)[0]).array() + 0.5f; }
 
   // Resizes every array to n Gaussians of the given degree; new Gaussians are zero but for a unit rotation.
   void resize(size_t n, int degree) {

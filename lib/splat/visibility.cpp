@@ -1,11 +1,20 @@
 #include "splat/visibility.h"
 
+#include "scene/color.h"
 #include "splat/renderer.h"
 
 namespace physmas::splat {
 namespace {
 
-constexpr double kSlack = 0.25;  // of the renderer's default near plane, a hundredth of the scene
+constexpr double kSlack = 0.25;       // of the renderer's default near plane, a hundredth of the scene
+constexpr float kTranslucent = 0.5f;  // opacity below which a Gaussian cannot decide its pixel alone
+constexpr float kOtherColor = 0.08f;  // difference of chromaticity beyond which a pixel shows something else
+
+// Whether the pixel's colour, over black, is another one than the Gaussian's.
+bool shows_something_else(const RenderedImage& image, int32_t pixel, const Eigen::Vector3f& color) {
+  const Eigen::Vector3f shown = Eigen::Vector3f::Map(&image.rgb[3 * static_cast<size_t>(pixel)]) / image.alpha[pixel];
+  return (chromaticity(shown) - chromaticity(color)).norm() > kOtherColor;
+}
 
 }  // namespace
 
@@ -43,6 +52,8 @@ std::vector<std::vector<uint8_t>> visible_in_views(const Gaussians& gaussians, c
       const double slack = kSlack * renderer.default_near() + along.norm();
       const float surface = image.depth[pixels[i]];
       seen[i] = surface <= 0 || depth <= surface + slack;
+      if (seen[i] != 0 && surface > 0 && gaussians.opacity(i) < kTranslucent)
+        seen[i] = !shows_something_else(image, pixels[i], gaussians.base_color(i));
     }
     visible.push_back(std::move(seen));
   }

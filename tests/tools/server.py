@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A local model server for the tests: chat completions and the Open Inference Protocol, behaving or misbehaving.
 
-server.py PORT_FILE LOG_FILE MODE   serves on a free port of 127.0.0.1, which it writes to PORT_FILE; every request is a
-line of JSON in LOG_FILE. It ends when its standard input is closed, or after a minute.
+server.py PORT_FILE LOG_FILE [PART:]MODE   serves on a free port of 127.0.0.1, which it writes to PORT_FILE; every request is a
+line of JSON in LOG_FILE. With PART, only POST requests whose path has it see the misbehaviour. It ends when its standard input is closed, or after a minute.
 """
 
 import base64
@@ -34,7 +34,8 @@ LABELS = [
 OUTPUTS = ["E_mean", "E_uncertainty", "nu_mean", "nu_uncertainty", "label_evidence"]
 
 port_file, log_file, mode = sys.argv[1:4]
-count = 0
+only, _, mode = mode.rpartition(":")
+count = posts = 0
 lock = threading.Lock()
 
 
@@ -276,16 +277,18 @@ class Handler(http.server.BaseHTTPRequestHandler):
         body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
         number = self.note(body)
         if self.path.endswith("/infer"):
-            if mode == "infer-500":
-                return self.reply(500, {"error": "out of memory, said " + self.headers.get("Authorization", "")})
             replies = {"grounding-dino": detector_reply, "sam2": segmenter_reply}
             served = replies.get(self.path.split("/")[-2], inference_reply)
             if "/clip-" in self.path:
                 served = clip_reply
             if "/tracker" in self.path:
                 served = tracker_reply
-            return self.reply(200, served(body))
-        good = chat_reply(json.dumps(answer_to(body)))
+            good = served(body)
+        else:
+            good = chat_reply(json.dumps(answer_to(body)))
+        self.answer(mode if only in self.path else "good", number, body, good)
+
+    def answer(self, mode, number, body, good):
         if mode == "timeout":
             time.sleep(5)
         elif mode == "drip":
@@ -308,7 +311,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         elif mode == "500-twice" and number <= 2:
             self.reply(500, {"error": "out of memory"})
         elif mode == "500":
-            self.reply(500, {"error": "out of memory"})
+            self.reply(500, {"error": "out of memory, said " + self.headers.get("Authorization", "")})
         elif mode == "408-once" and number == 1:
             self.reply(408, {})
         elif mode == "reset-once" and number == 1:
@@ -389,11 +392,13 @@ class Handler(http.server.BaseHTTPRequestHandler):
             log.write(json.dumps({"megabytes": taken}) + "\n")
 
     def note(self, body):
-        global count
+        """Writes the request into the log; the number of POST requests so far."""
+        global count, posts
         with lock:
             count += 1
-            number = count
-        entry = {"path": self.path, "authorization": self.headers.get("Authorization"), "number": number}
+            posts += body is not None
+            number = posts
+        entry = {"path": self.path, "authorization": self.headers.get("Authorization"), "number": count}
         if body is not None and "messages" in body:
             image = body["messages"][1]["content"][1]["image_url"]["url"]
             entry.update(
