@@ -7,6 +7,7 @@
 #include "ground/action_proposal.h"
 #include "ground/chat_agent.h"
 #include "ground/scene_inventory.h"
+#include "ground_scenes.h"
 #include "records/validator.h"
 
 using namespace physmas;
@@ -32,15 +33,7 @@ Inventory inventory() {
 }
 
 SceneGeometry geometry() {
-  SceneGeometry g;
-  g.up = Eigen::Vector3d::UnitZ();
-  g.right = Eigen::Vector3d::UnitX();
-  g.toward = -Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.25);
-  g.boxes["ball"] = {{0, 0, 2}, half};
-  g.boxes["cake"] = {{0, 0, 0}, half};
-  g.solver_per_scene = 1;
-  return g;
+  return cubes_at({{"ball", {0, 0, 2}}, {"cake", {0, 0, 0}}}, 1);
 }
 
 Plan compile(const Json& changes) {

@@ -7,6 +7,7 @@
 #include "ground/scene_inventory.h"
 #include "ground/scene_plan.h"
 #include "ground/words.h"
+#include "ground_scenes.h"
 
 using namespace physmas;
 using namespace physmas::ground;
@@ -50,19 +51,8 @@ Inventory workshop() {
   return inventory;
 }
 
-// Up is z, right is x, the viewer stands at -y.
 SceneGeometry geometry() {
-  SceneGeometry g;
-  g.up = Eigen::Vector3d::UnitZ();
-  g.right = Eigen::Vector3d::UnitX();
-  g.toward = -Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.25);
-  g.boxes["hammer"] = {{0, 0, 2}, half};
-  g.boxes["cake"] = {{0, 0, 0.5}, half};
-  g.boxes["ball"] = {{-2, 0, 0.5}, half};
-  g.boxes["drink"] = {{2, 0, 0.5}, half};
-  g.solver_per_scene = 0.25;
-  return g;
+  return cubes_at({{"hammer", {0, 0, 2}}, {"cake", {0, 0, 0.5}}, {"ball", {-2, 0, 0.5}}, {"drink", {2, 0, 0.5}}}, 0.25);
 }
 
 Plan plan(const std::string& prompt) {
