@@ -140,7 +140,14 @@ int ground_scene(Options options) {
   save_plan((out / "plan.json").string(), plan, provenance);
   for (const Omission& omission : rejected) log_info(omission.what + ": " + omission.why);
   for (const Omission& omission : perception.omitted) log_info(omission.what + ": " + omission.why);
-  for (const std::string& correction : plan.corrections) log_info(correction);
+  for (const std::string& correction : plan.corrections) {
+    // What was not understood is not done: that a user should see without asking.
+    if (correction.rfind(ground::kNotUnderstood, 0) == 0) {
+      log_warning("the prompt: " + correction);
+    } else {
+      log_info(correction);
+    }
+  }
   return static_cast<int>(ExitCode::done);
 }
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "ground/mask_doubts.h"
 #include "ground/mask_files.h"
 #include "ground/reference.h"
 #include "ground/segment.h"
@@ -16,9 +17,6 @@
 
 namespace physmas::ground {
 namespace {
-
-// Two objects whose masks share more than this of their union are one thing, or one of the masks is wrong.
-constexpr double kSameMask = 0.95;
 
 std::vector<Segmentation> segment_views(const std::vector<ViewImage>& images, const Inventory& inventory,
                                         const RunSpecification& run) {
@@ -75,32 +73,6 @@ class ModelSearch {
   GaussianSupport support_;
 };
 
-void report_suspects(const Inventory& inventory, const ViewMasks& view, std::vector<Omission>& omitted) {
-  const auto is_everything = [](const Mask& mask) {
-    return !mask.empty() && mask.area() == static_cast<long>(mask.pixels.size());
-  };
-  for (size_t r = 0; r < inventory.rows.size(); ++r) {
-    if (is_everything(view.rows[r]))
-      omitted.push_back({fmt::format("doubt about the mask of {} in {}", inventory.rows[r].key(), view.view),
-                         "it covers the whole image"});
-  }
-  for (size_t a = 0; a < inventory.objects.size(); ++a) {
-    for (size_t b = a + 1; b < inventory.objects.size(); ++b) {
-      const Mask &x = view.objects[a], &y = view.objects[b];
-      if (x.empty() || y.empty()) continue;
-      long both = 0, either = 0;
-      for (size_t p = 0; p < x.pixels.size(); ++p) {
-        both += x.pixels[p] != 0 && y.pixels[p] != 0;
-        either += x.pixels[p] != 0 || y.pixels[p] != 0;
-      }
-      if (static_cast<double>(both) > kSameMask * static_cast<double>(either))
-        omitted.push_back({fmt::format("doubt about the masks of {} and {} in {}", inventory.objects[a].id,
-                                       inventory.objects[b].id, view.view),
-                           "they cover the same pixels"});
-    }
-  }
-}
-
 void report(const Inventory& inventory, const MaskSource& source, Perception& perception) {
   for (const std::string& key : without_support(inventory, perception.views)) {
     const int r = inventory.find_row(key);
@@ -109,7 +81,9 @@ void report(const Inventory& inventory, const MaskSource& source, Perception& pe
     perception.omitted.push_back(
         {"masks of " + key, unhinted ? "it has no hints and its object has other rows" : "no view shows it"});
   }
-  for (const ViewMasks& view : perception.views) report_suspects(inventory, view, perception.omitted);
+  for (const ViewMasks& view : perception.views) {
+    for (Omission& doubt : doubts_about(inventory, view)) perception.omitted.push_back(std::move(doubt));
+  }
 }
 
 }  // namespace

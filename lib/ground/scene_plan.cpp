@@ -30,7 +30,7 @@ class Compiler {
     plan_.prompt = prompt;
     const Reading reading = read_prompt(prompt, nouns_of(inventory_));
     plan_.proposal = proposal_of(reading);
-    for (const std::string& text : reading.not_understood) note("not understood, left out: \"" + text + "\"");
+    for (const std::string& text : reading.not_understood) note(kNotUnderstood + ("\"" + text + "\""));
     for (const Event& event : reading.events) compile_event(event);
     if (reading.events.empty()) note("no verb that the built-in agent knows: gravity only");
     if (plan_.actions.empty())
@@ -54,9 +54,10 @@ class Compiler {
     if (phrase.empty()) return "";
     if (is_pronoun(phrase.back())) return mentioned_;
     const std::vector<std::string> found = find_references(inventory_, phrase);
-    if (found.size() > 1)
-      throw refused(quoted(phrase) + ", which fits " + join(found), "a name that fits one of them",
-                    "say which, as in \"the PART of the OBJECT\"");
+    if (found.size() > 1) {
+      throw refused(fmt::format("{} with \"{}\", which fits {}", quoted(phrase), word_, join(found)),
+                    "a name that fits one of them", "say which, as in \"the PART of the OBJECT\"");
+    }
     return found.empty() ? "" : found[0];
   }
 
@@ -100,6 +101,7 @@ class Compiler {
 
   void compile_event(const Event& event) {
     actions_before_ = plan_.actions.size();
+    word_ = event.word;
     if (event.negated) return note(fmt::format("\"{}\" is negated: no action", event.word));
     const Meaning& meaning = event.verb.meaning;
     if (meaning.kind == Kind::outcome) {
@@ -327,6 +329,7 @@ class Compiler {
   Plan plan_;
   std::vector<std::string> fallen_;  // what an earlier event let fall
   std::string last_moved_, mentioned_;
+  std::string word_;           // the verb of the event that is compiled
   size_t actions_before_ = 0;  // actions of earlier events
 };
 

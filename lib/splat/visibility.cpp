@@ -9,10 +9,12 @@ namespace {
 constexpr double kSlack = 0.25;       // of the renderer's default near plane, a hundredth of the scene
 constexpr float kTranslucent = 0.5f;  // opacity below which a Gaussian cannot decide its pixel alone
 constexpr float kOtherColor = 0.08f;  // difference of chromaticity beyond which a pixel shows something else
+constexpr float kDark = 0.3f;         // largest channel of a colour whose chromaticity says little
 
 // Whether the pixel's colour, over black, is another one than the Gaussian's.
 bool shows_something_else(const RenderedImage& image, int32_t pixel, const Eigen::Vector3f& color) {
   const Eigen::Vector3f shown = Eigen::Vector3f::Map(&image.rgb[3 * static_cast<size_t>(pixel)]) / image.alpha[pixel];
+  if (shown.maxCoeff() < kDark || color.maxCoeff() < kDark) return false;
   return (chromaticity(shown) - chromaticity(color)).norm() > kOtherColor;
 }
 

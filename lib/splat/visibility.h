@@ -17,8 +17,8 @@ std::vector<int32_t> project_to_pixels(const std::vector<Eigen::Vector3f>& means
 
 // [view][N] 1 where the Gaussian's mean lies no deeper than the rendered depth at its pixel, give or take 1/400 of the
 // scene's size and the Gaussian's own standard deviation along the ray; 0 behind it and outside the image. A
-// translucent Gaussian (opacity below 0.5) is not seen where the pixel has another chromaticity: what the view shows
-// there lies behind it, as a beverage does behind its glass.
+// translucent Gaussian (opacity below 0.5) is not seen where the pixel has another chromaticity, both being lit: what
+// the view shows there lies behind it, as a beverage does behind its glass.
 std::vector<std::vector<uint8_t>> visible_in_views(const Gaussians& gaussians, const std::vector<Camera>& cameras);
 
 }  // namespace physmas::splat

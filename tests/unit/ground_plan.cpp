@@ -205,7 +205,9 @@ TEST_CASE("ground: what cannot be found is refused by name") {
   const std::string missing = refusal("push the piano");
   CHECK(missing.find("\"piano\"") != std::string::npos);
   CHECK(missing.find("cake/sponge") != std::string::npos);
-  CHECK(refusal("push the head").find("hammer/head, sunflower/head") != std::string::npos);
+  // Two parts are called a head: the message names the action and what it could have meant.
+  const std::string which = refusal("push the head to the left");
+  for (const char* text : {"\"push\"", "hammer/head", "sunflower/head"}) CHECK(which.find(text) != std::string::npos);
 }
 
 TEST_CASE("ground: strengths, speeds and times stay within bounds and are said") {

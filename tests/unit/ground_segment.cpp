@@ -3,6 +3,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "ground/mask_doubts.h"
 #include "ground/refine.h"
 #include "ground/segment.h"
 
@@ -99,4 +100,39 @@ TEST_CASE("ground: the built-in segmenter finds parts by their hints, and its ma
     CHECK(found.masks.rows[0].source == (grabcut ? "hints, GrabCut" : "hints"));
     CHECK(found.masks.rows[0].confidence > 0.9);
   }
+}
+
+TEST_CASE("ground: masks of nothing, of everything, and of another object are reported") {
+  constexpr int kWidth = 10;
+  // Columns [from, to) of ten.
+  const auto columns = [](int from, int to) {
+    Mask mask{kWidth, 1, std::vector<uint8_t>(kWidth, 0), 1, "test"};
+    for (int x = from; x < to; ++x) mask.pixels[x] = 255;
+    return mask;
+  };
+  Inventory inventory;
+  inventory.objects.resize(2);
+  inventory.objects[0].id = "left";
+  inventory.objects[1].id = "right";
+  for (const char* object : {"left", "right"}) {
+    InventoryRow row;
+    row.object = object;
+    row.part = "part";
+    inventory.rows.push_back(row);
+  }
+  const auto doubts = [&](const Mask& left, const Mask& right, const Mask& left_part, const Mask& right_part) {
+    std::string all;
+    for (const Omission& o : doubts_about(inventory, {"front", {left, right}, {left_part, right_part}}))
+      all += o.what + ": " + o.why + "; ";
+    return all;
+  };
+  const Mask left = columns(0, 5), right = columns(5, 10), all = columns(0, 10);
+  CHECK(doubts(left, right, left, right) == "");
+  CHECK(doubts(left, right, Mask(), columns(0, 0)) == "");  // a view may show nothing of a part
+  CHECK(doubts(all, right, left, right) == "doubt about the mask of left in front: it covers the whole image; ");
+  CHECK(doubts(left, right, right, right) == "doubt about the mask of left/part in front: most of it lies in right; ");
+  CHECK(doubts(left, columns(5, 6), columns(4, 10), Mask()) ==
+        "doubt about the mask of left/part in front: most of it lies outside its object; ");
+  CHECK(doubts(left, left, left, left) ==
+        "doubt about the masks of left and right in front: they cover the same pixels; ");
 }
