@@ -211,8 +211,8 @@ TEST_CASE("lift: the depth test does not let a view speak for a clear Gaussian t
   // A clear blue sheet in front of an opaque red one that covers the image's right half; the left half shows the blue
   // sheet alone. The masks say what is seen: blue (a) on the left, red (b) on the right.
   std::vector<Eigen::Vector3f> points;
-  for (int y = 0; y < 32; ++y) {
-    for (int x = 0; x < 32; ++x) points.push_back({0.25f + 0.5f * x, 0.25f + 0.5f * y, 1});
+  for (int y = 0; y < kSize; ++y) {
+    for (int x = 0; x < kSize; ++x) points.push_back({0.5f + x, 0.5f + y, 1});
   }
   const size_t clear = points.size();
   for (int y = 0; y < 32; ++y) {
