@@ -15,7 +15,7 @@ std::vector<float> support_of(const Mask& mask) {
   std::vector<float> support(mask.pixels.size(), 0.0f);
   if (area == 0) return support;
   if (area == static_cast<int>(mask.pixels.size())) {
-    std::fill(support.begin(), support.end(), static_cast<float>(confidence * kSupportHigh));
+    std::fill(support.begin(), support.end(), static_cast<float>(confidence * kSupportLow));
     return support;
   }
   cv::Mat distance;
