@@ -139,3 +139,22 @@ nothing_written() { [ ! -e "$out" ] || [ -z "$(find "$out" -type f)" ]; }
   run_tool pm-ground --scene "$scene/scene.json" --out "$BATS_TEST_TMPDIR/file/run"
   expect_error 3 "file"
 }
+
+@test "pm-ground refines its masks with GrabCut, says so, and leaves it when the run says so" {
+  ground
+  grep -aq "hints, GrabCut" "$out/masks.h5"
+  rm -r "$out"
+  edit_json "$scene/scene.json" "d['run']['segmentation'] = {'grabcut': False}"
+  ground
+  [ "$status" -eq 0 ]
+  if grep -aq GrabCut "$out/masks.h5"; then return 1; fi
+  grep -aq hints "$out/masks.h5"
+}
+
+@test "pm-ground warns of words that it does not understand" {
+  edit_json "$scene/scene.json" "d['prompt'] = 'push the ball to the left, frobnicate the box'"
+  ground
+  [ "$status" -eq 0 ]
+  [[ "$errors" == *"not understood"*"frobnicate"* ]]
+  grep -q '"not understood.*frobnicate' "$out/plan.json"
+}
