@@ -247,7 +247,8 @@ int main(int argc, char** argv) {
          label_command = add_labels(app, label_options);
          for (const auto add : {eval::add_tracks_command, eval::add_flow_command, eval::add_tracker_command,
                                 eval::add_silhouettes_command, eval::add_clip_command, eval::add_study_command,
-                                eval::add_upr_command, eval::add_aggregate_command})
+                                eval::add_upr_command, eval::add_aggregate_command, eval::add_suite_command,
+                                eval::add_collect_command})
            commands.push_back(add(app));
          app.require_subcommand(1);
        },

@@ -25,6 +25,8 @@ Command add_clip_command(CLI::App& app);
 Command add_study_command(CLI::App& app);
 Command add_upr_command(CLI::App& app);
 Command add_aggregate_command(CLI::App& app);
+Command add_suite_command(CLI::App& app);    // a registered benchmark against its hashes
+Command add_collect_command(CLI::App& app);  // its evaluation.json
 
 // Writes the three motion metrics as metrics.json and as lines on stdout. exchanges: with the tracker.
 void report_motion(const std::string& out, const std::string& target, const Measurement& trajectory,
