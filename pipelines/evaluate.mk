@@ -4,8 +4,10 @@
 # CASES     ids of some of its cases; by default all
 # EVALUATE  the folder, by default runs/evaluate:
 #   bundle/CASE/                 the scene, without the truth
-#   CASE/METHOD/                 a run (physmas.mk), its motion-OBJECT.json, and result.tsv: what came out, failures included
-#   references/CASE-KEY/         truth, and the reference's configuration, rollout and video; KEY hashes all that shapes it
+#   CASE/METHOD/                 a run (physmas.mk)
+#   truth/CASE/                  the true rows, for references only
+#   references/CASE-KEY/         a reference: labels, configuration, rollout and video; KEY hashes all that shapes it
+#   results/CASE/METHOD/         motion-OBJECT.json, and result.tsv: what came out, failures included
 #   evaluation.json, tables/     what pm-eval makes of them
 #
 # A method's run is a make of its own and gets the bundle and run settings, nothing else (as in batch.mk, it shares the job
@@ -26,7 +28,7 @@ $(EVALUATE)/suite.mk: ;
 
 BASE_METHOD := $(firstword $(SUITE_METHODS))
 reference_of = $(EVALUATE)/references/$(1)-$(SUITE_KEY_$(1))
-result_of = $(EVALUATE)/$(1)/$(2)/result.tsv
+result_of = $(EVALUATE)/results/$(1)/$(2)/result.tsv
 RESULTS := $(foreach c,$(SUITE_CASES),$(foreach m,$(SUITE_METHODS),$(call result_of,$(c),$(m))))
 
 # $(call remember,FILE,TEXT): FILE holds TEXT, rewritten only when that changes.
@@ -52,16 +54,17 @@ $(foreach c,$(SUITE_CASES),$(eval $(call case_rules,$(c))))
 
 # $(call result_rules,CASE,METHOD). The settings are remembered per result, so that another set of them runs it again.
 define result_rules
-$(call remember,$(EVALUATE)/$(1)/$(2)/request,$(SUITE_SETTINGS) $(SUITE_SETTINGS_$(2)) candidate=$(SUITE_CANDIDATE_$(2)) \
-  objects=$(SUITE_OBJECTS_$(1)) reference=$(SUITE_KEY_$(1)))
-$(EVALUATE)/$(1)/$(2)/request: ;
-$(call result_of,$(1),$(2)): $(EVALUATE)/bundle/$(1)/scene.json $(EVALUATE)/$(1)/$(2)/request \
+$(call remember,$(EVALUATE)/results/$(1)/$(2)/request,$(SUITE_SETTINGS) $(SUITE_SETTINGS_$(2)) \
+  candidate=$(SUITE_CANDIDATE_$(2)) objects=$(SUITE_OBJECTS_$(1)) reference=$(SUITE_KEY_$(1)))
+$(EVALUATE)/results/$(1)/$(2)/request: ;
+$(call result_of,$(1),$(2)): $(EVALUATE)/bundle/$(1)/scene.json $(EVALUATE)/results/$(1)/$(2)/request \
     $(call reference_of,$(1))/result.tsv $(if $(filter-out $(BASE_METHOD),$(2)),$(call result_of,$(1),$(BASE_METHOD)))
-	+@status=0; $$(MAKE) --no-print-directory run SCENE=$(EVALUATE)/bundle/$(1)/scene.json RUN=$(EVALUATE)/$(1)/$(2) \
+	+@mkdir -p $(EVALUATE)/$(1)/$(2); status=0; \
+	$$(MAKE) --no-print-directory run SCENE=$(EVALUATE)/bundle/$(1)/scene.json RUN=$(EVALUATE)/$(1)/$(2) \
 	  SET="$(SUITE_SETTINGS) $(SUITE_SETTINGS_$(2))" $(if $(filter-out $(BASE_METHOD),$(2)),BASE=$(EVALUATE)/$(1)/$(BASE_METHOD)) \
 	  THREADS=1 EXAMPLE= GAUSSIANS= CASES= SUITE= >$(EVALUATE)/$(1)/$(2)/log.txt 2>&1 </dev/null || status=$$$$?; \
 	BIN=$(BIN) pipelines/evaluate-result.sh $$$$status $(EVALUATE)/bundle/$(1)/scene.json $(EVALUATE)/$(1)/$(2) \
-	  $(call reference_of,$(1)) "$(SUITE_CANDIDATE_$(2))" $(SUITE_OBJECTS_$(1))
+	  $(call reference_of,$(1)) $$(@D) "$(SUITE_CANDIDATE_$(2))" $(SUITE_OBJECTS_$(1))
 	@printf '  %-10s %s\n' "$$$$(cut -f1 $$@)" $(EVALUATE)/$(1)/$(2)
 endef
 $(foreach c,$(SUITE_CASES),$(foreach m,$(SUITE_METHODS),$(eval $(call result_rules,$(c),$(m)))))
@@ -69,6 +72,6 @@ $(foreach c,$(SUITE_CASES),$(foreach m,$(SUITE_METHODS),$(eval $(call result_rul
 # Failures are in the tables; --draft keeps them from keeping the tables away.
 .PHONY: evaluate-finished
 evaluate-finished: $(RESULTS) | $(BIN)/pm-eval
-	@$(BIN)/pm-eval collect --suite $(SUITE) $(in_cases) --runs $(EVALUATE) --out $(EVALUATE)/evaluation.json
+	@$(BIN)/pm-eval collect --suite $(SUITE) $(in_cases) --results $(EVALUATE) --out $(EVALUATE)/evaluation.json
 	@$(BIN)/pm-eval aggregate --manifest $(EVALUATE)/evaluation.json --draft --quiet --out $(EVALUATE)/tables
 	@echo "Tables and the row of every result: $(EVALUATE)/tables"

@@ -48,15 +48,15 @@ Json failure_json(const std::string& reason) {
   return {{"status", "failed"}, {"reason", one_line(reason.empty() ? "no reason given" : reason)}};
 }
 
-Json result_json(const std::string& runs, const SuiteCase& c, const SuiteMethod& method) {
+Json result_json(const std::string& evaluation, const SuiteCase& c, const SuiteMethod& method) {
   const std::string folder = c.id + "/" + method.id;
-  const std::vector<std::string> fields = fields_of(runs + "/" + folder + "/result.tsv");
+  const std::vector<std::string> fields = fields_of(evaluation + "/results/" + folder + "/result.tsv");
   if (fields.empty()) return failure_json("no result");
   if (fields[0] == "failed") return failure_json(fields.size() > 1 ? fields[1] : "");
   const double seconds = fields.size() == 3 ? std::strtod(fields[2].c_str(), nullptr) : 0;
   if (fields[0] != "done" || !(seconds > 0)) return failure_json("result.tsv is damaged");
   Json json = {{"status", "done"}, {"video", folder + "/videos/" + fields[1] + ".mp4"}};
-  for (const std::string& object : c.objects) json["metrics"].push_back(folder + "/motion-" + object + ".json");
+  for (const std::string& object : c.objects) json["metrics"].push_back("results/" + folder + "/motion-" + object + ".json");
   json["seconds"] = seconds;
   return json;
 }
@@ -83,7 +83,7 @@ std::string suite_makefile(const Suite& suite, const std::vector<std::string>& i
   return "SUITE_CASES :=" + cases + "\nSUITE_METHODS :=" + methods + "\n" + text;
 }
 
-Json collect_evaluation(const Suite& suite, const std::string& runs, const std::vector<std::string>& ids) {
+Json collect_evaluation(const Suite& suite, const std::string& evaluation, const std::vector<std::string>& ids) {
   Json json;
   json["methods"] = Json::array();
   for (const SuiteMethod& method : suite.methods) json["methods"].push_back({{"id", method.id}, {"name", method.name}});
@@ -97,7 +97,7 @@ Json collect_evaluation(const Suite& suite, const std::string& runs, const std::
     } else {
       entry["profiles"] = c->profiles;
     }
-    for (const SuiteMethod& method : suite.methods) entry["results"][method.id] = result_json(runs, *c, method);
+    for (const SuiteMethod& method : suite.methods) entry["results"][method.id] = result_json(evaluation, *c, method);
     json["cases"].push_back(std::move(entry));
   }
   return json;

@@ -14,12 +14,12 @@ namespace physmas::eval {
 // An unknown id is a usage error.
 std::string suite_makefile(const Suite& suite, const std::vector<std::string>& ids);
 
-// The evaluation record, without its schema, of the results under `runs`: runs/CASE/METHOD/result.tsv is one line,
-//   done <tab> candidate <tab> seconds      with runs/CASE/METHOD/motion-OBJECT.json for every object, or
+// The evaluation record, without its schema, of the results in the folder `evaluation`: results/CASE/METHOD/result.tsv is one line,
+//   done <tab> candidate <tab> seconds      with motion-OBJECT.json for every object beside it, and the run in CASE/METHOD; or
 //   failed <tab> reason
 // A result without that file, or with another line in it, is a failure that says so: no case is dropped.
 // ids: as above.
-Json collect_evaluation(const Suite& suite, const std::string& runs, const std::vector<std::string>& ids);
+Json collect_evaluation(const Suite& suite, const std::string& evaluation, const std::vector<std::string>& ids);
 
 }  // namespace physmas::eval
 

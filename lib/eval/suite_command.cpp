@@ -11,7 +11,7 @@ namespace physmas::eval {
 namespace {
 
 struct SuiteOptions {
-  std::string suite, makefile, runs, out;
+  std::string suite, makefile, results, out;
   std::vector<std::string> cases;
   bool registers = false;
 };
@@ -37,7 +37,7 @@ int collect(const SuiteOptions& options) {
     provenance.add_input(c.example);
     provenance.add_input(c.reference);
   }
-  save_record(options.out, "evaluation", provenance, collect_evaluation(suite, options.runs, options.cases));
+  save_record(options.out, "evaluation", provenance, collect_evaluation(suite, options.results, options.cases));
   return 0;
 }
 
@@ -57,7 +57,7 @@ Command add_collect_command(CLI::App& app) {
   const auto options = std::make_shared<SuiteOptions>();
   CLI::App* command = app.add_subcommand("collect", "Make evaluation.json of the results of a registered benchmark");
   command->add_option("--suite", options->suite, "suite.json")->required();
-  command->add_option("--runs", options->runs, "Folder of the results, CASE/METHOD/result.tsv")->required();
+  command->add_option("--results", options->results, "Folder of the evaluation: results/CASE/METHOD/result.tsv")->required();
   command->add_option("--cases", options->cases, "Only these");
   command->add_option("--out", options->out, "evaluation.json to write; in the folder of the results")->required();
   return {command, [options](const CommonOptions&) { return collect(*options); }};
