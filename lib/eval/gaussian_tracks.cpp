@@ -17,6 +17,9 @@ namespace {
 
 // Pixels where the target's Gaussians outweigh all others in an opaque enough pixel.
 constexpr float kSilhouetteAlpha = 0.5f;
+// Splats are blended by the depth of their means: on a tilted surface those within reach of each other's extent cover
+// what lies level with them.
+constexpr double kDeviations = 3;
 
 class TargetRenderer {
  public:
@@ -101,7 +104,8 @@ TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const 
       if (t == 0 && behind) first[k] = std::max(0.0, *behind);
       position.push_back(u);
       visible.push_back(behind && *behind <= first[k] + splat::depth_slack(gaussians, queries[k], mean,
-                                                                           frame.F(queries[k]), camera, renderer.near())
+                                                                           frame.F(queries[k]), camera, renderer.near(),
+                                                                           kDeviations)
                             ? 1
                             : 0);
     }

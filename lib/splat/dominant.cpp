@@ -18,8 +18,8 @@ std::vector<int> dominant_gaussians(const Gaussians& gaussians, const Deformatio
   for (long i = 0; i < n; ++i) {
     const Eigen::Vector3f& position = deformation.position ? deformation.position[i] : gaussians.position[i];
     const RowMatrix3f& F = deformation.F ? deformation.F[i] : rest_F;
-    drawn[i] = project_gaussian(gaussians, i, rest_shape(gaussians, i), position, F, setup, &splats[i]) ==
-               Projection::drawn;
+    drawn[i] =
+        project_gaussian(gaussians, i, rest_shape(gaussians, i), position, F, setup, &splats[i]) == Projection::drawn;
   }
   std::vector<int> order;
   for (long i = 0; i < n; ++i) {
