@@ -2,8 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <random>
 
 #include "eval/video_tracks.h"
 #include "splat/video.h"
@@ -29,6 +31,22 @@ bool in_target(const Eigen::Vector2d& rest) {
   return (rest - kMiddle).cwiseAbs().maxCoeff() < 50;
 }
 
+// Smooth noise that repeats nowhere: values 40..220 on a lattice of 6 pixels, interpolated smoothly.
+double texture(const Eigen::Vector2d& rest) {
+  static const std::vector<double> lattice = [] {
+    std::mt19937 random(1);
+    std::vector<double> values(40 * 40);
+    for (double& v : values) v = 40 + random() % 181;
+    return values;
+  }();
+  const Eigen::Vector2d at = (rest - kMiddle) / 6 + Eigen::Vector2d(20, 20);
+  const int i = std::clamp(static_cast<int>(at.x()), 0, 38), j = std::clamp(static_cast<int>(at.y()), 0, 38);
+  const auto smooth = [](double x) { return std::clamp(x * x * (3 - 2 * x), 0.0, 1.0); };
+  const double u = smooth(at.x() - i), v = smooth(at.y() - j);
+  const double* row = &lattice[40 * j + i];
+  return (1 - v) * ((1 - u) * row[0] + u * row[1]) + v * ((1 - u) * row[40] + u * row[41]);
+}
+
 struct Film {
   std::string path;
   std::vector<Image> masks;
@@ -45,8 +63,7 @@ Film film(const std::string& path, const std::function<Motion(int)>& motion,
       for (int x = 0; x < kSize; ++x) {
         const Eigen::Vector2d place(x + 0.5, y + 0.5), rest = motion(t).back(place);
         const bool seen = in_target(rest) && !(covered && covered(place, t));
-        const double c =
-            128 + 55 * std::sin(0.33 * rest.x() + 0.12 * rest.y()) + 55 * std::cos(0.37 * rest.y() - 0.17 * rest.x());
+        const double c = texture(rest);
         for (int k = 0; k < 3; ++k) picture.at(x, y)[k] = seen ? static_cast<uint8_t>(c) : 20;
         *mask.at(x, y) = seen ? 255 : 0;
       }
