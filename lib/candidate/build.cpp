@@ -30,6 +30,7 @@ bool has_controls(const Context& context) {
 
 void take_out_controls(const Context& context, Configuration& configuration) {
   if (has_controls(context)) return;
+  if (!context.run.ablation.part_materials) bound_stiffness(configuration);
   configuration.projection.clear();
   configuration.retention.clear();
 }

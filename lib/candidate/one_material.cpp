@@ -28,6 +28,12 @@ void give_one_material(Evidence& evidence, const Inventory& inventory, const std
   }
 }
 
+void bound_stiffness(Configuration& configuration) {
+  for (CandidateRow& row : configuration.rows) {
+    if (row.E > kSupportE) row = stiff_support(row);
+  }
+}
+
 bool has_one_material(const Inventory& inventory, const Configuration& configuration) {
   const std::vector<CandidateRow>& rows = configuration.rows;
   return std::all_of(rows.begin(), rows.end(), [&](const CandidateRow& a) {

@@ -13,6 +13,10 @@ namespace physmas::candidate {
 // volume: of each row's particles at rest, [inventory.rows], solver units cubed.
 void give_one_material(Evidence& evidence, const Inventory& inventory, const std::vector<double>& volume);
 
+// A row that is stiffer than supports are simulated (1e7 Pa) gets the values of a support: without supports nothing else
+// would keep a stone or metal object from diverging.
+void bound_stiffness(Configuration& configuration);
+
 // Whether the rows of every object have the same branch, E, nu and rho.
 bool has_one_material(const Inventory& inventory, const Configuration& configuration);
 
