@@ -32,8 +32,10 @@ int main(int argc, char** argv) {
        "         pm-eval accuracy --out accuracy; pm-eval verification --out verification.json\n"
        "         pm-eval stability --out stability\n"
        "         pm-eval aggregate --manifest evaluation.json --upr upr.json --out tables\n"
-       "Reads physmas/scene/1, inventory/1, state/1, rollout/1, metrics/1, evaluation/1, study/1, answers/1, upr/1;\n"
-       "writes physmas/metrics/1, study/1, upr/1, verification/1, accuracy/1, stability/1, labels/1.",
+       "         pm-eval suite --suite examples/suite.json\n"
+       "Reads physmas/scene/1, inventory/1, state/1, rollout/1, metrics/1, evaluation/1, study/1, answers/1, upr/1,\n"
+       "suite/1, example/1, configuration/1; writes physmas/metrics/1, study/1, upr/1, verification/1, accuracy/1,\n"
+       "stability/1, labels/1, evaluation/1.",
        [&](CLI::App& app) {
          commands = {eval::add_motion_command(app),
                      eval::add_tracks_command(app),
@@ -44,6 +46,8 @@ int main(int argc, char** argv) {
                      eval::add_study_command(app),
                      eval::add_upr_command(app),
                      eval::add_aggregate_command(app),
+                     eval::add_suite_command(app),
+                     eval::add_collect_command(app),
                      eval::add_labels_command(app),
                      eval::add_accuracy_command(app, paper_step),
                      eval::add_verification_command(app),
