@@ -200,10 +200,16 @@ endif
 ifneq ($(filter batch,$(MAKECMDGOALS)),)
   include pipelines/batch.mk
 endif
+ifneq ($(filter evaluate,$(MAKECMDGOALS)),)
+  include pipelines/evaluate.mk
+endif
 
-.PHONY: demo run batch
+.PHONY: demo run batch evaluate evaluate-register
 demo: run-finished ## Install, build, run the example EXAMPLE=cake end to end, say where the video is
 run: run-finished ## Run your own file: GAUSSIANS=scene.ply PROMPT="..." [UP=z] [RUN=runs/name] [SET="key=value ..."]
+evaluate: evaluate-finished ## Run the registered benchmark and print its tables: [CASES="cake lamp"] [EVALUATE=runs/evaluate]
+evaluate-register: $(BIN)/pm-eval ## Register the benchmark's files as they are now, in examples/suite.sha256
+	@$(BIN)/pm-eval suite --suite $(or $(SUITE),examples/suite.json) --register
 batch: batch-finished ## Run many scenes and write one table: SCENES="cake my/scene.json ..." or SCENES=list.txt
 
 # --- Tests --------------------------------------------------------------------------------------------------------

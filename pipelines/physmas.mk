@@ -12,6 +12,7 @@
 # AGENT    who looks at the rows: builtin, the URL of a chat server (with MODEL), or replay:DIR    -> pm-material --agent
 # PREDICTOR  none, the URL of an inference server, replay:DIR, or a file of records          -> pm-material --predictor
 # AUTHORED a file of authored material records                                               -> pm-material --authored
+# BASE     another run of the same scene: ground, lift and material whose inputs are equal to its inputs take its results
 # THREADS  threads per tool; by default the cores are divided by make's -j
 #
 # Two conventions carry the incremental behaviour:
@@ -110,6 +111,12 @@ $(STAMPS)/spec: $(BUNDLE_FILES) $(RUN)/settings $(call missing,$(SLICES)) | $(BI
 	$(finish)
 $(SLICES): $(STAMPS)/spec ;
 
+# $(call or_base,INPUTS,OUTPUTS): in front of a command that makes OUTPUTS from INPUTS, files of this run: not computed where
+# BASE has made them from the same bytes.
+or_base = $(if $(BASE),( $(foreach f,$(1),cmp -s $(RUN)/$(f) $(BASE)/$(f) &&) \
+  for f in $(2); do [ -e $(BASE)/$$f ] || exit 1; done && \
+  for f in $(2); do cmp -s $(BASE)/$$f $(RUN)/$$f || cp $(BASE)/$$f $(RUN)/$$f || exit; done ) ||)
+
 # --- Scene agent, lifting, material agent -------------------------------------------------------------------------
 
 # Recorded exchanges and files of records are inputs, as a server is not.
@@ -118,14 +125,16 @@ GROUNDED := $(RUN)/inventory.json $(RUN)/plan.json $(RUN)/masks.h5
 $(STAMPS)/ground: $(RUN)/spec/ground.json $(RUN)/ground-models $(call replayed,$(SCENE_AGENT)) $(call replayed,$(PERCEPTION)) \
                   $(call missing,$(GROUNDED)) | $(BIN)/pm-ground
 	$(call stage,ground,$(RUN)/inventory.json)
-	@$(BIN)/pm-ground --scene $< --out $(RUN) $(if $(SCENE_AGENT),--agent "$(SCENE_AGENT)" $(if $(MODEL),--model "$(MODEL)")) \
+	@$(call or_base,spec/ground.json ground-models,inventory.json plan.json masks.h5) \
+	$(BIN)/pm-ground --scene $< --out $(RUN) $(if $(SCENE_AGENT),--agent "$(SCENE_AGENT)" $(if $(MODEL),--model "$(MODEL)")) \
 	  $(if $(PERCEPTION),--perception "$(PERCEPTION)") $(tool_threads)
 	$(finish)
 $(GROUNDED): $(STAMPS)/ground ;
 
 $(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(call missing,$(RUN)/state.h5) | $(BIN)/pm-lift
 	$(call stage,lift,$(RUN)/state.h5)
-	@$(BIN)/pm-lift --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --out $(RUN)/state.h5 $(tool_threads)
+	@$(call or_base,spec/lift.json inventory.json masks.h5,state.h5) \
+	$(BIN)/pm-lift --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --out $(RUN)/state.h5 $(tool_threads)
 	$(finish)
 $(RUN)/state.h5: $(STAMPS)/lift ;
 
@@ -133,7 +142,8 @@ MATERIAL_INPUTS := $(call replayed,$(AGENT)) $(call replayed,$(PREDICTOR)) $(wil
 $(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks.h5 $(RUN)/state.h5 $(RUN)/models \
                     $(MATERIAL_INPUTS) $(call missing,$(RUN)/evidence.json) | $(BIN)/pm-material
 	$(call stage,material,$(RUN)/evidence.json)
-	@$(BIN)/pm-material --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --state $(RUN)/state.h5 \
+	@$(if $(MATERIAL_INPUTS),,$(call or_base,spec/material.json inventory.json masks.h5 state.h5 models,evidence.json)) \
+	$(BIN)/pm-material --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --state $(RUN)/state.h5 \
 	  --out $(RUN)/evidence.json $(if $(AGENT),--agent "$(AGENT)") $(if $(MODEL),--model "$(MODEL)") \
 	  $(if $(PREDICTOR),--predictor "$(PREDICTOR)") $(if $(AUTHORED),--authored "$(AUTHORED)") $(tool_threads)
 	$(finish)

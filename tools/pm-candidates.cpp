@@ -3,7 +3,9 @@
 
 #include "base/command_line.h"
 #include "base/file.h"
+#include "candidate/authored.h"
 #include "candidate/build.h"
+#include "candidate/one_material.h"
 #include "records/state.h"
 #include "scene/scene.h"
 
@@ -12,7 +14,7 @@ using namespace physmas;
 namespace {
 
 struct Options {
-  std::string scene, inventory, plan, evidence, state, out, repair;
+  std::string scene, inventory, plan, evidence, state, out, repair, configuration;
 };
 
 // The evidence must belong to this state: its provenance where it has one, its counts always.
@@ -46,7 +48,50 @@ std::vector<Candidate> load_seen(const Options& options, const ScreenRecord& scr
   return seen;
 }
 
+void write_round(const Options& options, const candidate::Round& round, const Provenance& of_candidates,
+                 const Provenance& of_round) {
+  CandidateRound record;
+  record.round = round.round;
+  record.omitted = round.omitted;
+  std::string fragment = "PM_ROUND" + std::to_string(round.round) + " :=";
+  for (const Candidate& c : round.candidates) {
+    save_candidate(candidate_path(options, c.id), c, of_candidates);
+    record.ids.push_back(c.id);
+    fragment += " " + c.id;
+  }
+  const std::string stem = (std::filesystem::path(options.out) / ("round" + std::to_string(round.round))).string();
+  save_round(stem + ".json", record, of_round);
+  write_file(stem + ".mk", fragment + "\n");
+}
+
+// One candidate, as the user wrote it.
+int work_authored(const Options& options) {
+  Provenance provenance;
+  provenance.tool = "pm-candidates";
+  for (const std::string& input : {options.scene, options.inventory, options.configuration, options.state})
+    provenance.add_input(input);
+  const Scene scene = load_scene(options.scene, {});
+  const Inventory inventory = load_inventory(options.inventory);
+  const AuthoredConfiguration configuration = load_configuration(options.configuration, inventory);
+  const std::vector<long> gaussians = load_state(options.state, &inventory).gaussians_per_row();
+  candidate::Round round;
+  round.candidates.push_back(
+      candidate::authored_candidate(configuration, inventory, scene.run, gaussians, options.configuration));
+  write_round(options, round, provenance, provenance);
+  return static_cast<int>(ExitCode::done);
+}
+
+// Volume of each row's particles at rest, [inventory.rows].
+std::vector<double> row_volumes(const State& state) {
+  std::vector<double> volume(state.row_keys.size(), 0);
+  for (size_t q = 0; q < state.particle_count(); ++q) volume[state.row[q]] += state.volume[q];
+  return volume;
+}
+
 int work(const Options& options) {
+  if (!options.configuration.empty()) return work_authored(options);
+  if (options.plan.empty() || options.evidence.empty())
+    throw Error(ExitCode::usage, "--plan and --evidence are required, or --configuration instead of both");
   Provenance provenance;
   provenance.tool = "pm-candidates";
   for (const std::string& input : {options.scene, options.inventory, options.plan, options.evidence, options.state}) {
@@ -57,9 +102,11 @@ int work(const Options& options) {
   const Plan plan = load_plan(options.plan, inventory);
   std::vector<std::string> keys;
   for (const InventoryRow& row : inventory.rows) keys.push_back(row.key());
-  const Evidence evidence = load_evidence(options.evidence, keys);
-  const std::vector<long> gaussians = load_state(options.state, &inventory).gaussians_per_row();
+  Evidence evidence = load_evidence(options.evidence, keys);
+  const State state = load_state(options.state, &inventory);
+  const std::vector<long> gaussians = state.gaussians_per_row();
   check_evidence(options, evidence, gaussians);
+  if (!scene.run.ablation.part_materials) candidate::give_one_material(evidence, inventory, row_volumes(state));
 
   const candidate::Context context = candidate::make_context(inventory, evidence, plan, scene.run, gaussians);
   candidate::Round round;
@@ -84,18 +131,7 @@ int work(const Options& options) {
     round = candidate::build_repairs(context, screen, seen, options.plan);
   }
 
-  CandidateRound record;
-  record.round = round.round;
-  record.omitted = round.omitted;
-  std::string fragment = "PM_ROUND" + std::to_string(round.round) + " :=";
-  for (const Candidate& c : round.candidates) {
-    save_candidate(candidate_path(options, c.id), c, candidate_provenance);
-    record.ids.push_back(c.id);
-    fragment += " " + c.id;
-  }
-  const std::string stem = (std::filesystem::path(options.out) / ("round" + std::to_string(round.round))).string();
-  save_round(stem + ".json", record, provenance);
-  write_file(stem + ".mk", fragment + "\n");
+  write_round(options, round, candidate_provenance, provenance);
   return static_cast<int>(ExitCode::done);
 }
 
@@ -112,17 +148,22 @@ int main(int argc, char** argv) {
       "--state state.h5 --out candidates\n"
       "Reads physmas/scene, inventory, plan, evidence, state and, with --repair, screen and the screened candidates; "
       "writes DIR/ID.json (physmas/candidate), DIR/roundN.json (physmas/round) and DIR/roundN.mk (one makefile line "
-      "PM_ROUNDN := ids). A screen that asks for no repair gives an empty round.\n"
-      "Actions built so far: translation, top_press, impulse.";
+      "PM_ROUNDN := ids). A screen that asks for no repair gives an empty round.";
   tool.options = [&](CLI::App& app) {
     app.add_option("--scene", options.scene, "scene.json or its slice")->required()->type_name("FILE");
     app.add_option("--inventory", options.inventory, "inventory.json")->required()->type_name("FILE");
-    app.add_option("--plan", options.plan, "plan.json")->required()->type_name("FILE");
-    app.add_option("--evidence", options.evidence, "evidence.json")->required()->type_name("FILE");
+    auto* plan = app.add_option("--plan", options.plan, "plan.json")->type_name("FILE");
+    auto* evidence = app.add_option("--evidence", options.evidence, "evidence.json")->type_name("FILE");
     app.add_option("--state", options.state, "state.h5")->required()->type_name("FILE");
     app.add_option("--out", options.out, "Folder of the candidates")->required()->type_name("DIR");
-    app.add_option("--repair", options.repair, "screen/roundN.json whose base is repaired for round N+1")
-        ->type_name("FILE");
+    auto* repair = app.add_option("--repair", options.repair, "screen/roundN.json whose base is repaired for round N+1")
+                       ->type_name("FILE");
+    app.add_option("--configuration", options.configuration,
+                   "A hand-authored configuration: one candidate, `authored`, instead of those from plan and evidence")
+        ->type_name("FILE")
+        ->excludes(plan)
+        ->excludes(evidence)
+        ->excludes(repair);
   };
   tool.work = [&](const CommonOptions&) { return work(options); };
   return run_tool(argc, argv, tool);

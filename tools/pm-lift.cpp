@@ -9,6 +9,7 @@
 #include "base/command_line.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "eval/label_accuracy.h"
 #include "lift/assignment.h"
 #include "lift/initial_state.h"
 #include "lift/label_picture.h"
@@ -24,7 +25,7 @@ using namespace physmas;
 namespace {
 
 struct Options {
-  std::string scene, inventory, masks, out, labels_png;
+  std::string scene, inventory, masks, labels, out, labels_png;
 };
 
 // The camera of every view; masks must have its size.
@@ -54,31 +55,54 @@ void check_residual_rows(const Inventory& inventory, const std::string& file) {
   }
 }
 
+// By the masks of the views.
+lift::Labels assigned_labels(const Scene& scene, const Inventory& inventory, const Gaussians& gaussians,
+                             const std::vector<ViewMasks>& masks, const std::vector<Camera>& cameras) {
+  const lift::Labels labels = lift::assign_rows({gaussians, cameras, masks, inventory, scene.run.lifting.occlusion});
+  log_info(fmt::format(
+      "{} Gaussians in no view, {} hidden, {} object and {} part votes, {} rescued, {} residual", labels.counts.unseen,
+      labels.counts.hidden, labels.counts.object_votes, labels.counts.part_votes, labels.counts.rescued,
+      labels.counts.residual));
+  return labels;
+}
+
+// As a file says.
+lift::Labels given_labels(const Options& options, const Inventory& inventory, size_t count) {
+  lift::Labels labels;
+  labels.row = eval::load_truth(options.labels, inventory, count);
+  for (const int32_t r : labels.row) labels.object.push_back(inventory.object_of_row(r));
+  labels.confidence.assign(count, 1);
+  return labels;
+}
+
 int lift_scene(const Options& options) {
   const Stopwatch watch;
   const Scene scene = load_scene(options.scene, {false, true, true, false});
   const Inventory inventory = load_inventory(options.inventory);
-  check_residual_rows(inventory, options.inventory);
   std::vector<std::string> names;
   for (const SceneView& view : scene.views) names.push_back(view.name);
-  const std::vector<ViewMasks> masks = load_masks(options.masks, inventory, names);
+  std::vector<ViewMasks> masks(names.size());
+  if (options.labels.empty()) {
+    check_residual_rows(inventory, options.inventory);
+    masks = load_masks(options.masks, inventory, names);
+  }
   const std::vector<Camera> cameras = cameras_of(scene, masks, options.masks);
   const Gaussians gaussians = load_gaussians(scene.gaussians);
   if (gaussians.size() == 0) throw invalid_input({scene.gaussians, "", "no Gaussians", "at least one"});
-  log_info(fmt::format("read {} Gaussians and the masks after {:.2f} s", gaussians.size(), watch.seconds()));
+  log_info(fmt::format("read {} Gaussians after {:.2f} s", gaussians.size(), watch.seconds()));
 
-  const lift::Labels labels = lift::assign_rows({gaussians, cameras, masks, inventory, scene.run.lifting.occlusion});
-  log_info(fmt::format(
-      "rows after {:.2f} s: {} Gaussians in no view, {} hidden, {} object and {} part votes, {} rescued, {} residual",
-      watch.seconds(), labels.counts.unseen, labels.counts.hidden, labels.counts.object_votes, labels.counts.part_votes,
-      labels.counts.rescued, labels.counts.residual));
+  const lift::Labels labels = options.labels.empty()
+                                  ? assigned_labels(scene, inventory, gaussians, masks, cameras)
+                                  : given_labels(options, inventory, gaussians.size());
+  log_info(fmt::format("rows after {:.2f} s", watch.seconds()));
   const State state = lift::initial_state(gaussians, labels, inventory, scene.run, scene.gaussians);
   log_info(fmt::format("{} particles after {:.2f} s", state.particle_count(), watch.seconds()));
   for (const Omission& omission : state.omitted) log_info(omission.what + ": " + omission.why);
 
   Provenance provenance;
   provenance.tool = "pm-lift";
-  for (const std::string& input : {options.scene, scene.gaussians, options.inventory, options.masks})
+  for (const std::string& input : {options.scene, scene.gaussians, options.inventory,
+                                   options.labels.empty() ? options.masks : options.labels})
     provenance.add_input(input);
   save_state(options.out, state, provenance);
   if (!options.labels_png.empty()) {
@@ -102,11 +126,14 @@ int main(int argc, char** argv) {
   tool.footer =
       "Example: pm-lift --scene bundle/scene.json --inventory run/inventory.json --masks run/masks.h5 --out "
       "run/state.h5\n"
-      "Reads scene.json (or its slice), the Gaussians, inventory.json and masks.h5; writes state.h5.";
+      "Reads scene.json (or its slice), the Gaussians, inventory.json and masks.h5 (or truth.h5); writes state.h5.";
   tool.options = [&](CLI::App& app) {
     app.add_option("--scene", options.scene, "Scene bundle, or its slice for this stage")->required();
     app.add_option("--inventory", options.inventory, "inventory.json of pm-ground")->required();
-    app.add_option("--masks", options.masks, "masks.h5 of pm-ground")->required();
+    auto* how = app.add_option_group("labels", "Where the rows come from")->require_option(1);
+    how->add_option("--masks", options.masks, "masks.h5 of pm-ground");
+    how->add_option("--labels", options.labels,
+                    "The row of every Gaussian, as in truth.h5 of a synthesised bundle: nothing is lifted");
     app.add_option("--out", options.out, "The state to write")->required();
     app.add_option("--labels-png", options.labels_png, "Also draw the rows of all views into this folder");
   };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "candidate/one_material.h"
 #include "candidate/schedule.h"
 #include "candidate/timestep.h"
 #include "candidate/transforms.h"
@@ -22,11 +23,22 @@ Candidate complete(const Context& context, Configuration configuration, const st
   return candidate;
 }
 
-// The study without structure projection: U_aux is empty.
+// The studies without structure projection, or without materials of parts: U_aux is empty.
+bool has_controls(const Context& context) {
+  return context.run.ablation.structure_projection && context.run.ablation.part_materials;
+}
+
 void take_out_controls(const Context& context, Configuration& configuration) {
-  if (context.run.ablation.structure_projection) return;
+  if (has_controls(context)) return;
+  if (!context.run.ablation.part_materials) bound_stiffness(configuration);
   configuration.projection.clear();
   configuration.retention.clear();
+}
+
+// Why a configuration is against the study that the run is; empty when it is not.
+std::string against_study(const Context& context, const Configuration& configuration) {
+  const bool fits = context.run.ablation.part_materials || has_one_material(context.inventory, configuration);
+  return fits ? "" : "it gives an object two materials, and ablation.part_materials is false";
 }
 
 // The first candidate with these rows and controls, or null.
@@ -42,13 +54,18 @@ auto find_equal(Candidates& candidates, const Configuration& configuration) -> d
 
 Round build_initial(const Context& context, const std::string& plan_file) {
   Round round;
-  if (!context.run.ablation.structure_projection)
-    round.omitted.push_back({"projection weights and retention", "ablation.structure_projection is false"});
+  if (!has_controls(context)) {
+    const char* study = context.run.ablation.structure_projection ? "part_materials" : "structure_projection";
+    round.omitted.push_back({"projection weights and retention", fmt::format("ablation.{} is false", study)});
+  }
   for (const char* name : kInitialTransforms) {
     std::string why;
     std::optional<Configuration> configuration = transform(context, name, why);
-    if (configuration) take_out_controls(context, *configuration);
-    if (!configuration) {
+    if (configuration) {
+      take_out_controls(context, *configuration);
+      why = against_study(context, *configuration);
+    }
+    if (!configuration || !why.empty()) {
       round.omitted.push_back({name, why});
       continue;
     }
@@ -93,6 +110,11 @@ Round build_repairs(const Context& context, const ScreenRecord& screen, const st
     }
     Configuration configuration = repair(context, name, *base);
     take_out_controls(context, configuration);
+    const std::string why = against_study(context, configuration);
+    if (!why.empty()) {
+      round.omitted.push_back({id, why});
+      continue;
+    }
     const Candidate* equal = find_equal(seen, configuration);
     if (equal == nullptr) equal = find_equal(round.candidates, configuration);
     if (equal != nullptr) {

@@ -11,7 +11,6 @@
 namespace physmas::candidate {
 namespace {
 
-constexpr double kSupportE = 1e7;          // Pa
 constexpr double kSupportRho = 1000;       // kg/m^3, lower bound
 constexpr double kSupportNu = 0.35;        // upper bound
 constexpr double kBondedRho = 2500;        // kg/m^3
@@ -51,15 +50,6 @@ Configuration at_quantiles(const Context& context, double kappa_E, double kappa_
 
 CandidateRow median_row(const Context& context, const ActiveRow& a) {
   return row_at(context, a, kMedian, kMedian);
-}
-
-// Metal, 1e7 Pa, nu at most 0.35, rho at least 1000: the support line of several transforms and repairs.
-CandidateRow stiff_support(CandidateRow row) {
-  row.branch = Branch::metal;
-  row.E = kSupportE;
-  row.nu = std::min(row.nu, kSupportNu);
-  row.rho = std::max(row.rho, kSupportRho);
-  return row;
 }
 
 CandidateRow impact_row(const Context& context, const ActiveRow& a) {
@@ -265,6 +255,14 @@ void set_projection(Configuration& configuration, const std::string& key, double
 }
 
 }  // namespace
+
+CandidateRow stiff_support(CandidateRow row) {
+  row.branch = Branch::metal;
+  row.E = kSupportE;
+  row.nu = std::min(row.nu, kSupportNu);
+  row.rho = std::max(row.rho, kSupportRho);
+  return row;
+}
 
 bool operator==(const Configuration& a, const Configuration& b) {
   const auto same_row = [](const CandidateRow& x, const CandidateRow& y) {

@@ -28,6 +28,10 @@ Configuration configuration_of(const Candidate& candidate);
 // Rows and controls of an initial transform; empty, with the reason in `why`, when it is not emitted.
 std::optional<Configuration> transform(const Context& context, const std::string& name, std::string& why);
 
+// Metal, 1e7 Pa, nu at most 0.35, rho at least 1000: the support line of several transforms and repairs.
+CandidateRow stiff_support(CandidateRow row);
+constexpr double kSupportE = 1e7;  // Pa
+
 // Rows and controls of a repair of `base`. Fields that the repair does not name keep the base's values.
 Configuration repair(const Context& context, const std::string& name, const Candidate& base);
 

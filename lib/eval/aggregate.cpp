@@ -43,7 +43,16 @@ Aggregate::Aggregate(const Evaluation& evaluation, const std::vector<UprRecord>&
       if (evaluation.cases[i].results.count(method.id) > 0) read_result(i, method.id);
     }
   }
+  leave_out_unmeasured();
   for (const UprRecord& record : rates) add_rates(record);
+}
+
+void Aggregate::leave_out_unmeasured() {
+  for (const std::string& metric : kMetrics) {
+    const std::vector<std::string>& required = evaluation_.required;
+    if (measured_.count(metric) > 0 || std::find(required.begin(), required.end(), metric) != required.end()) continue;
+    for (ResultScores& row : results_) row.score.erase(metric);
+  }
 }
 
 void Aggregate::read_result(size_t case_index, const std::string& method) {
@@ -58,6 +67,7 @@ void Aggregate::read_result(size_t case_index, const std::string& method) {
   for (const std::string& path : result.metrics) {
     const MetricsRecord record = load_metrics(path);
     for (const MetricEntry& metric : record.metrics) {
+      measured_.insert(metric.name);
       const Score score = metric.valid ? Score::of(metric.value) : Score::invalid(metric.reason);
       if (!scores[metric.name].emplace(record.target, score).second)
         throw invalid_input({path, "/metrics/" + metric.name, "a second record of \"" + record.target + "\"",
@@ -126,11 +136,15 @@ std::vector<std::string> Aggregate::lacking() const {
 
 Score Aggregate::reported(const std::string& method, const std::string& metric, const std::string& set) const {
   return reported_score(sets_, set, [&](size_t i) {
-    const auto row = std::find_if(results_.begin(), results_.end(),
-                                  [&](const ResultScores& r) { return r.case_index == i && r.method == method; });
-    const auto found = row->score.find(metric);
-    return found == row->score.end() ? Score{} : found->second;
+    const ResultScores& result = result_of(i, method);
+    const auto found = result.score.find(metric);
+    return found == result.score.end() ? Score{} : found->second;
   });
+}
+
+const ResultScores& Aggregate::result_of(size_t case_index, const std::string& method) const {
+  return *std::find_if(results_.begin(), results_.end(),
+                       [&](const ResultScores& r) { return r.case_index == case_index && r.method == method; });
 }
 
 Table Aggregate::case_table() const {

@@ -3,67 +3,78 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
+#include <optional>
 
 #include "base/error.h"
 #include "records/plan.h"
+#include "splat/dominant.h"
 #include "splat/renderer.h"
 #include "splat/transport.h"
+#include "splat/visibility.h"
 
 namespace physmas::eval {
 namespace {
 
 // Pixels where the target's Gaussians outweigh all others in an opaque enough pixel.
 constexpr float kSilhouetteAlpha = 0.5f;
+// Splats are blended by the depth of their means: on a tilted surface those within reach of each other's extent cover
+// what lies level with them.
+constexpr double kDeviations = 3;
 
 class TargetRenderer {
  public:
-  TargetRenderer(const Scene& scene, const Gaussians& gaussians, const SolverMap& map,
-                 const std::vector<uint8_t>& target)
-      : scene_(scene), map_(map), renderer_(gaussians), labels_(target.begin(), target.end()) {}
+  TargetRenderer(const Scene& scene, const Gaussians& gaussians, const std::vector<uint8_t>& target)
+      : scene_(scene), gaussians_(gaussians), renderer_(gaussians), labels_(target.begin(), target.end()) {}
 
-  // Mask of the target in frame t, 0 or 255.
-  Image silhouette(const splat::TransportedFrame& frame, int t) { return mask_of(render(frame, t, labels_)); }
-
-  // Index of the dominant Gaussian per pixel.
-  std::vector<int32_t> dominant(const splat::TransportedFrame& frame, int t) {
-    std::vector<int32_t> indices(labels_.size());
-    std::iota(indices.begin(), indices.end(), 0);
-    return render(frame, t, indices).label;
-  }
-
- private:
-  const splat::RenderedImage& render(const splat::TransportedFrame& frame, int t, const std::vector<int32_t>& labels) {
+  // Renders frame t with all Gaussians; what follows speaks of that frame until the next call.
+  void render(const splat::TransportedFrame& frame, int t) {
     splat::RenderOptions options;
-    options.labels = labels.data();
-    options.label = true;
+    options.labels = labels_.data();
+    options.label = options.depth = true;
     options.max_sh_degree = 0;
-    return renderer_.render(scene_.output_camera(t), frame.deformation(), options);
+    image_ = &renderer_.render(scene_.output_camera(t), frame.deformation(), options);
   }
-  static Image mask_of(const splat::RenderedImage& image) {
-    Image mask(image.width, image.height, 1);
-    for (size_t p = 0; p < image.alpha.size(); ++p)
-      mask.pixels[p] = image.alpha[p] >= kSilhouetteAlpha && image.label[p] == 1 ? 255 : 0;
+
+  // Mask of the target, 0 or 255.
+  Image silhouette() const {
+    Image mask(image_->width, image_->height, 1);
+    for (size_t p = 0; p < image_->alpha.size(); ++p) mask.pixels[p] = in_silhouette(p) ? 255 : 0;
     return mask;
   }
 
+  // How much deeper than the rendered depth a mean at camera depth `depth` lies that projects to u, scene units.
+  // Nothing where that is outside the silhouette.
+  std::optional<double> behind_surface(const Eigen::Vector2d& u, double depth) const {
+    if (!(u.x() >= 0 && u.y() >= 0 && u.x() < image_->width && u.y() < image_->height)) return std::nullopt;
+    const size_t p = static_cast<size_t>(u.y()) * image_->width + static_cast<size_t>(u.x());
+    return in_silhouette(p) ? std::optional<double>(depth - image_->depth[p]) : std::nullopt;
+  }
+
+  double near() const { return renderer_.default_near(); }
+
+ private:
+  bool in_silhouette(size_t p) const { return image_->alpha[p] >= kSilhouetteAlpha && image_->label[p] == 1; }
+
   const Scene& scene_;
-  const SolverMap& map_;
+  const Gaussians& gaussians_;
   splat::Renderer renderer_;
   std::vector<int32_t> labels_;
+  const splat::RenderedImage* image_ = nullptr;  // the renderer's
 };
 
 }  // namespace
 
 std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, const State& state,
                                 const RolloutReader& rollout, const std::vector<uint8_t>& target) {
-  TargetRenderer renderer(scene, gaussians, state.map, target);
+  TargetRenderer renderer(scene, gaussians, target);
   const splat::TransportedFrame frame(rollout.frame(0), state.map);
-  const Image mask = renderer.silhouette(frame, 0);
-  const std::vector<int32_t> dominant = renderer.dominant(frame, 0);
+  renderer.render(frame, 0);
+  const Image mask = renderer.silhouette();
+  std::vector<Eigen::Vector2i> pixels;
+  for (const QueryPixel& q : query_pixels(mask)) pixels.emplace_back(q.x, q.y);
   std::vector<int> queries;
-  for (const QueryPixel& q : query_pixels(mask)) {
-    const int32_t gaussian = dominant[static_cast<size_t>(q.y) * mask.width + q.x];
+  for (const int gaussian :
+       splat::dominant_gaussians(gaussians, frame.deformation(), scene.output_camera(0), renderer.near(), pixels)) {
     if (gaussian >= 0 && target[gaussian] != 0 && std::find(queries.begin(), queries.end(), gaussian) == queries.end())
       queries.push_back(gaussian);
   }
@@ -73,23 +84,30 @@ std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, 
 TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const State& state,
                           const RolloutReader& rollout, const std::vector<uint8_t>& target,
                           const std::vector<int>& queries) {
-  TargetRenderer renderer(scene, gaussians, state.map, target);
+  TargetRenderer renderer(scene, gaussians, target);
   TargetMotion motion;
   motion.tracks.width = scene.output_camera(0).width;
   motion.tracks.height = scene.output_camera(0).height;
+  std::vector<double> first(queries.size(), 0);  // how far behind the surface in frame 0, if at all
   for (int t = 0; t < rollout.frame_count(); ++t) {
     const Camera& camera = scene.output_camera(t);
     const splat::TransportedFrame frame(rollout.frame(t), state.map);
-    const Image mask = renderer.silhouette(frame, t);
-    motion.areas.push_back(mask_areas({mask}).front());
+    renderer.render(frame, t);
+    motion.areas.push_back(mask_areas({renderer.silhouette()}).front());
     std::vector<Eigen::Vector2d> position;
     std::vector<uint8_t> visible;
-    for (int gaussian : queries) {
-      const Eigen::Vector3d q = camera.to_camera(frame.position(gaussian).cast<double>());
+    for (size_t k = 0; k < queries.size(); ++k) {
+      const Eigen::Vector3f& mean = frame.position(queries[k]);
+      const Eigen::Vector3d q = camera.to_camera(mean.cast<double>());
       const Eigen::Vector2d u = q.z() > 0 ? camera.project(q) : Eigen::Vector2d(-1, -1);
-      const bool inside = u.allFinite() && u.x() >= 0 && u.y() >= 0 && u.x() < mask.width && u.y() < mask.height;
+      const std::optional<double> behind = renderer.behind_surface(u, q.z());
+      if (t == 0 && behind) first[k] = std::max(0.0, *behind);
       position.push_back(u);
-      visible.push_back(inside && *mask.at(static_cast<int>(u.x()), static_cast<int>(u.y())) != 0 ? 1 : 0);
+      visible.push_back(behind && *behind <= first[k] + splat::depth_slack(gaussians, queries[k], mean,
+                                                                           frame.F(queries[k]), camera, renderer.near(),
+                                                                           kDeviations)
+                            ? 1
+                            : 0);
     }
     motion.tracks.position.push_back(std::move(position));
     motion.tracks.visible.push_back(std::move(visible));
@@ -116,10 +134,12 @@ std::vector<uint8_t> target_gaussians(const Inventory& inventory, const State& s
 
 std::vector<Image> target_silhouettes(const Scene& scene, const Gaussians& gaussians, const State& state,
                                       const RolloutReader& rollout, const std::vector<uint8_t>& target) {
-  TargetRenderer renderer(scene, gaussians, state.map, target);
+  TargetRenderer renderer(scene, gaussians, target);
   std::vector<Image> masks;
-  for (int t = 0; t < rollout.frame_count(); ++t)
-    masks.push_back(renderer.silhouette(splat::TransportedFrame(rollout.frame(t), state.map), t));
+  for (int t = 0; t < rollout.frame_count(); ++t) {
+    renderer.render(splat::TransportedFrame(rollout.frame(t), state.map), t);
+    masks.push_back(renderer.silhouette());
+  }
   return masks;
 }
 

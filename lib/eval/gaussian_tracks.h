@@ -13,6 +13,12 @@
 
 namespace physmas::eval {
 
+// When a point of track_target is visible, for the metrics record.
+constexpr char kExactVisibility[] =
+    "the mean projects into the target's silhouette, no deeper behind the rendered depth there than in frame 0, give "
+    "or "
+    "take 1/400 of the scene's size and three of the Gaussian's standard deviations along the ray";
+
 struct TargetMotion {
   Tracks tracks;
   std::vector<long> areas;  // visible target pixels per frame
@@ -26,7 +32,10 @@ std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, 
                                 const RolloutReader& rollout, const std::vector<uint8_t>& target);
 
 // Tracks of the query Gaussians' means and the target's visible silhouette, all Gaussians as occluders, over all
-// frames. A point is visible where it projects with positive depth into the target's silhouette.
+// frames. A point is visible by kExactVisibility: other objects hide it, and so does its own target when it turns to
+// the back or is folded under. The depth is the mean by blending weight that the renderer gives (splat::RenderedImage),
+// the tolerance splat::depth_slack, as in lifting; in soft or glassy matter what a pixel shows lies behind that mean,
+// so how far it does in frame 0 is added.
 TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const State& state,
                           const RolloutReader& rollout, const std::vector<uint8_t>& target,
                           const std::vector<int>& queries);

@@ -1,15 +1,12 @@
-// pm-eval tracks, flow, tracker and silhouettes.
+// pm-eval tracks, flow and tracker: motion metrics of anyone's results.
 #include <fmt/format.h>
 
 #include <memory>
 
 #include "base/error.h"
 #include "eval/commands.h"
-#include "eval/gaussian_tracks.h"
 #include "eval/video_tracks.h"
 #include "records/metrics.h"
-#include "scene/gaussian_files.h"
-#include "splat/image_io.h"
 
 namespace physmas::eval {
 namespace {
@@ -66,24 +63,6 @@ int tracker(const TrackerOptions& options) {
   Tracks reference = track_by_server(client, "reference", options.reference, queries);
   Tracks measured = track_by_server(client, "measured", options.measured, queries);
   return measure(options, "tracker", std::move(reference), std::move(measured), backend->exchanges());
-}
-
-struct SilhouetteOptions {
-  std::string scene, inventory, state, rollout, target, out;
-};
-
-int silhouettes(const SilhouetteOptions& options) {
-  SceneNeeds needs;
-  needs.gaussians = needs.output_cameras = true;
-  const Scene scene = load_scene(options.scene, needs);
-  const Inventory inventory = load_inventory(options.inventory);
-  const State state = load_state(options.state, &inventory);
-  const Gaussians gaussians = load_labelled_gaussians(scene.gaussians, state, options.state);
-  const RolloutReader rollout(options.rollout, gaussians.size());
-  const std::vector<Image> masks =
-      target_silhouettes(scene, gaussians, state, rollout, target_gaussians(inventory, state, options.target));
-  for (size_t t = 0; t < masks.size(); ++t) splat::save_png(fmt::format("{}/{:05}.png", options.out, t), masks[t]);
-  return 0;
 }
 
 }  // namespace
@@ -145,18 +124,6 @@ Command add_tracker_command(CLI::App& app) {
   add_pair_options(*command, *options, true);
   remote::add_remote_options(*command, options->remote);
   return {command, [options](const CommonOptions&) { return tracker(*options); }};
-}
-
-Command add_silhouettes_command(CLI::App& app) {
-  const auto options = std::make_shared<SilhouetteOptions>();
-  CLI::App* command = app.add_subcommand("silhouettes", "Target masks of a rollout, one PNG per frame");
-  command->add_option("--scene", options->scene, "Scene with the Gaussians and output cameras")->required();
-  command->add_option("--inventory", options->inventory, "Objects and parts")->required();
-  command->add_option("--state", options->state, "Labels and the solver map")->required();
-  command->add_option("--rollout", options->rollout, "Rollout to draw")->required();
-  command->add_option("--target", options->target, "Object id or row key; the whole scene by default");
-  command->add_option("--out", options->out, "Folder for the masks")->required();
-  return {command, [options](const CommonOptions&) { return silhouettes(*options); }};
 }
 
 }  // namespace physmas::eval

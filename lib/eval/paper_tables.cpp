@@ -9,17 +9,6 @@ Number upr_number(const Score& score, int decimals) {
   return {score, decimals, true};
 }
 
-// Marks the best of every column, number by number.
-void mark_columns(Table& table, bool higher_is_better) {
-  for (size_t c = 0; c < table.columns.size(); ++c) {
-    for (size_t part = 0; !table.rows.empty() && part < table.rows[0].cells[c].numbers.size(); ++part) {
-      std::vector<Number*> numbers;
-      for (Table::Row& row : table.rows) numbers.push_back(&row.cells[c].numbers[part]);
-      mark_best(numbers, higher_is_better);
-    }
-  }
-}
-
 const std::vector<std::string>& profile_sets() {
   static const std::vector<std::string> sets = [] {
     std::vector<std::string> list(kBranchNames.begin(), kBranchNames.end());

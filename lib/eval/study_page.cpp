@@ -76,7 +76,9 @@ void write_study_page(const std::string& folder, const Evaluation& evaluation, c
                                 info.frames, info.fps, first.frames, first.fps));
       write_file(fmt::format("{}/page/videos/{}.mp4", folder, code), read_file(result.video));
     }
-    json["trials"].push_back({{"case", c.id}, {"prompt", c.prompt}, {"cards", cards}});
+    // All cards of a case have one shape, whatever the shapes of their videos.
+    const double aspect = first.height > 0 ? static_cast<double>(first.width) / first.height : 1;
+    json["trials"].push_back({{"case", c.id}, {"prompt", c.prompt}, {"aspect", aspect}, {"cards", cards}});
   }
   std::string page = study_template();
   const std::string place = "@STUDY@";

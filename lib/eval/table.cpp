@@ -140,4 +140,25 @@ void mark_best(const std::vector<Number*>& numbers, bool higher_is_better) {
   for (Number* n : numbers) n->best = n->score.valid() && n->score.value == value;
 }
 
+bool Table::has_numbers() const {
+  for (const Row& row : rows) {
+    for (const Cell& cell : row.cells) {
+      for (const Number& number : cell.numbers) {
+        if (number.score.state != Score::State::absent) return true;
+      }
+    }
+  }
+  return false;
+}
+
+void mark_columns(Table& table, bool higher_is_better) {
+  for (size_t c = 0; c < table.columns.size(); ++c) {
+    for (size_t part = 0; !table.rows.empty() && part < table.rows[0].cells[c].numbers.size(); ++part) {
+      std::vector<Number*> numbers;
+      for (Table::Row& row : table.rows) numbers.push_back(&row.cells[c].numbers[part]);
+      mark_best(numbers, higher_is_better);
+    }
+  }
+}
+
 }  // namespace physmas::eval

@@ -43,7 +43,12 @@ struct Table {
   std::string latex() const;     // a booktabs tabular with its caption
   std::string markdown() const;  // a pipe table under its caption
   std::string csv() const;       // one number per column, all digits; empty where there is none
+
+  bool has_numbers() const;  // valid or invalid: something was measured
 };
+
+// Marks the best of every column, number by number.
+void mark_columns(Table& table, bool higher_is_better);
 
 // Marks the best valid numbers among these, unless one of them is invalid: then nobody is known to be best.
 void mark_best(const std::vector<Number*>& numbers, bool higher_is_better);

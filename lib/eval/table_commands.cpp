@@ -95,10 +95,18 @@ int aggregate(const AggregateOptions& options) {
     throw invalid_input({options.manifest, "/required", fmt::format("{} invalid: {}", lacking.size(), lacking.front()),
                          "a valid record for each", fmt::format("{}/cases.md lists every result", options.out)});
   for (const std::string& line : lacking) log_warning(line);
-  for (const Table& table : aggregate.paper_tables()) {
+  std::vector<Table> tables = aggregate.paper_tables();
+  for (Table& table : aggregate.detail_tables()) tables.push_back(std::move(table));
+  std::string empty;
+  for (const Table& table : tables) {
     write_table(options.out, table);
-    fmt::print("{}\n", table.markdown());
+    if (table.has_numbers()) {
+      fmt::print("{}\n", table.markdown());
+    } else {
+      empty += (empty.empty() ? "" : ", ") + table.name;
+    }
   }
+  if (!empty.empty()) fmt::print("Nothing was measured for {}.\n", empty);
   return 0;
 }
 

@@ -14,7 +14,8 @@
 namespace physmas::eval {
 namespace {
 
-constexpr float kReturnDistance = 1;  // pixels
+constexpr float kReturnDistance = 1;    // pixels
+constexpr float kPatchDifference = 20;  // grey levels of 255, mean over the patch of 21 x 21 pixels
 
 // Without a leading batch axis of one.
 std::vector<size_t> without_batch(const Array& array, size_t axes) {
@@ -85,13 +86,14 @@ Tracks track_by_flow(const std::string& video, const std::vector<QueryPixel>& qu
     } else if (!now.empty()) {
       std::vector<cv::Point2f> next, back;
       std::vector<uint8_t> forward, backward;
-      std::vector<float> error;
-      cv::calcOpticalFlowPyrLK(last, picture, now, next, forward, error);
-      cv::calcOpticalFlowPyrLK(picture, last, next, back, backward, error);
+      std::vector<float> difference, unused;
+      cv::calcOpticalFlowPyrLK(last, picture, now, next, forward, difference);
+      cv::calcOpticalFlowPyrLK(picture, last, next, back, backward, unused);
       for (size_t i = 0; i < now.size(); ++i) {
         const bool inside = next[i].x >= 0 && next[i].y >= 0 && next[i].x <= static_cast<float>(frame.width - 1) &&
                             next[i].y <= static_cast<float>(frame.height - 1);
-        if (forward[i] == 0 || backward[i] == 0 || !inside || cv::norm(back[i] - now[i]) > kReturnDistance)
+        if (forward[i] == 0 || backward[i] == 0 || !inside || cv::norm(back[i] - now[i]) > kReturnDistance ||
+            difference[i] > kPatchDifference)
           alive[i] = 0;
         if (alive[i] != 0) now[i] = next[i];
       }

@@ -18,7 +18,8 @@ namespace physmas::eval {
 Tracks load_tracks(const std::string& path, int width, int height);
 
 // Follows the queries through the video by pyramidal Lucas-Kanade flow (Bouguet 2001), frame to frame. A point is lost,
-// and stays lost, when the flow fails, leaves the image, or does not lead back to within one pixel.
+// and stays lost, when the flow fails, leaves the image, does not lead back to within one pixel, or leads to a patch
+// that looks otherwise, as where something has come in front (more than 20 of 255 grey levels on average).
 Tracks track_by_flow(const std::string& video, const std::vector<QueryPixel>& queries);
 
 // Asks a tracker: `frames` BYTES [T], every element the base64 text of a PNG file, and `queries` FP32 [1, N, 3] (frame,

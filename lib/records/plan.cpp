@@ -28,13 +28,10 @@ std::vector<int> resolve_rows(const Inventory& inventory, const std::string& ref
   return rows;
 }
 
-Plan load_plan(const std::string& path, const Inventory& inventory) {
-  const Json document = load_record(path, "plan");
-  Plan plan;
-  plan.prompt = document.at("prompt").get<std::string>();
-  plan.resolved = document.at("resolved").get<bool>();
-  for (const Json& json : document.at("actions")) {
-    const std::string pointer = "/actions/" + std::to_string(plan.actions.size());
+std::vector<PlanAction> actions_from(const Json& list, const Inventory& inventory, const std::string& path) {
+  std::vector<PlanAction> actions;
+  for (const Json& json : list) {
+    const std::string pointer = "/actions/" + std::to_string(actions.size());
     PlanAction action;
     action.type = action_from(json.at("type").get<std::string>());
     if (!json.at("source").is_null()) action.source = json.at("source").get<std::string>();
@@ -56,8 +53,17 @@ Plan load_plan(const std::string& path, const Inventory& inventory) {
         throw invalid_field(path, pointer + "/" + field, reference, "an object id or a row key of the inventory");
       }
     }
-    plan.actions.push_back(std::move(action));
+    actions.push_back(std::move(action));
   }
+  return actions;
+}
+
+Plan load_plan(const std::string& path, const Inventory& inventory) {
+  const Json document = load_record(path, "plan");
+  Plan plan;
+  plan.prompt = document.at("prompt").get<std::string>();
+  plan.resolved = document.at("resolved").get<bool>();
+  plan.actions = actions_from(document.at("actions"), inventory, path);
   plan.proposal = document.at("proposal");
   plan.corrections = document.at("corrections").get<std::vector<std::string>>();
   plan.omitted = omissions_from(document);

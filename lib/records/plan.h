@@ -64,6 +64,9 @@ struct Plan {
 Plan load_plan(const std::string& path, const Inventory& inventory);
 void save_plan(const std::string& path, const Plan& plan, const Provenance& provenance);
 
+// The entries of /actions in the record `path`, which its schema accepted; errors as of load_plan.
+std::vector<PlanAction> actions_from(const Json& list, const Inventory& inventory, const std::string& path);
+
 // Inventory row indices that a reference (object id or row key) means, in row order; empty when it resolves to none.
 std::vector<int> resolve_rows(const Inventory& inventory, const std::string& reference);
 

@@ -157,6 +157,7 @@ RunSpecification run_specification_from(const Json& json, const std::string& fil
   const Json& ablation = section("ablation");
   read(ablation, "object_part_state", run.ablation.object_part_state);
   read(ablation, "structure_projection", run.ablation.structure_projection);
+  read(ablation, "part_materials", run.ablation.part_materials);
 
   const Json& render = section("render");
   read(render, "width", run.render.width);
@@ -232,7 +233,8 @@ Json to_json(const RunSpecification& run) {
                        {"dark_luminance", run.screening.dark_luminance},
                        {"weights", run.screening.weights}};
   json["ablation"] = {{"object_part_state", run.ablation.object_part_state},
-                      {"structure_projection", run.ablation.structure_projection}};
+                      {"structure_projection", run.ablation.structure_projection},
+                      {"part_materials", run.ablation.part_materials}};
   json["render"] = {{"width", run.render.width},
                     {"height", run.render.height},
                     {"background", to_json(run.render.background)},

@@ -101,6 +101,7 @@ struct RunSpecification {
   struct Ablation {
     bool object_part_state = true;     // false: every object is one part with one material
     bool structure_projection = true;  // false: no candidate has projection weights or retention
+    bool part_materials = true;        // false: every object has one material, and no controls of parts
   } ablation;
 
   struct Render {

@@ -41,7 +41,7 @@ const std::vector<SliceContent>& slice_contents() {
        false,
        false,
        {"/grid", "/walls", "/time", "/placement", "/projection", "/screening/initial", "/screening/rounds",
-        "/screening/repairs", "/ablation/structure_projection"}},
+        "/screening/repairs", "/ablation/structure_projection", "/ablation/part_materials"}},
       {"simulate",
        false,
        false,

@@ -27,6 +27,7 @@ class TransportedFrame {
   // Views of this object's arrays: it must outlive the use.
   Deformation deformation() const { return {position_.data(), F_.data()}; }
   const Eigen::Vector3f& position(size_t i) const { return position_[i]; }
+  const RowMatrix3f& F(size_t i) const { return F_[i]; }
 
  private:
   std::vector<Eigen::Vector3f> position_;  // [N_G] scene space

@@ -34,6 +34,15 @@ std::vector<int32_t> project_to_pixels(const std::vector<Eigen::Vector3f>& means
   return pixel;
 }
 
+double depth_slack(const Gaussians& gaussians, size_t i, const Eigen::Vector3f& position, const Eigen::Matrix3f& F,
+                   const Camera& camera, double default_near, double deviations) {
+  const Eigen::Vector3f ray = (position - camera.center().cast<float>()).normalized();
+  // Sigma = F R S S R^T F^T along the ray.
+  const Eigen::Vector3f along =
+      gaussians.scale(i).asDiagonal() * (gaussians.rotation_matrix(i).transpose() * (F.transpose() * ray));
+  return kSlack * default_near + deviations * along.norm();
+}
+
 std::vector<std::vector<uint8_t>> visible_in_views(const Gaussians& gaussians, const std::vector<Camera>& cameras) {
   Renderer renderer(gaussians);
   RenderOptions options;
@@ -48,10 +57,8 @@ std::vector<std::vector<uint8_t>> visible_in_views(const Gaussians& gaussians, c
     for (size_t i = 0; i < gaussians.size(); ++i) {
       if (pixels[i] < 0) continue;
       const double depth = camera.to_camera(gaussians.position[i].cast<double>()).z();
-      // The Gaussian's standard deviation along the ray.
-      const Eigen::Vector3f ray = (gaussians.position[i] - camera.center().cast<float>()).normalized();
-      const Eigen::Vector3f along = gaussians.scale(i).asDiagonal() * (gaussians.rotation_matrix(i).transpose() * ray);
-      const double slack = kSlack * renderer.default_near() + along.norm();
+      const double slack = depth_slack(gaussians, i, gaussians.position[i], Eigen::Matrix3f::Identity(), camera,
+                                       renderer.default_near(), 1);
       const float surface = image.depth[pixels[i]];
       seen[i] = surface <= 0 || depth <= surface + slack;
       if (seen[i] != 0 && surface > 0 && gaussians.opacity(i) < kTranslucent)
