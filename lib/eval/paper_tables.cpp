@@ -51,6 +51,7 @@ Table Aggregate::profile_table() const {
     table.rows.push_back(std::move(row));
   }
   mark_columns(table, true);
+  table.last_row_apart = true;
   return table;
 }
 
@@ -62,6 +63,7 @@ Table Aggregate::multi_object_table() const {
                           {{"", {{reported(method, "clip_sim", kMultiObject)}}},
                            {"", {upr_number(reported(method, "upr/comparison", kMultiObject), 1)}}}});
   mark_columns(table, true);
+  table.last_row_apart = true;
   return table;
 }
 
@@ -96,6 +98,7 @@ Table Aggregate::motion_table() const {
     table.rows.push_back(std::move(row));
   }
   mark_columns(table, false);
+  table.last_row_apart = true;
   return table;
 }
 
@@ -119,6 +122,7 @@ Table Aggregate::ablation_table() const {
     }
     table.rows.push_back(std::move(row));
   }
+  table.last_row_apart = true;
   return table;
 }
 
