@@ -40,6 +40,7 @@ Table Aggregate::profile_table() const {
     table.rows.push_back(std::move(row));
   }
   mark_columns(table, true);
+  table.last_row_apart = true;
   return table;
 }
 
@@ -51,6 +52,7 @@ Table Aggregate::multi_object_table() const {
                           {{"", {{reported(method, "clip_sim", kMultiObject)}}},
                            {"", {upr_number(reported(method, "upr/comparison", kMultiObject), 1)}}}});
   mark_columns(table, true);
+  table.last_row_apart = true;
   return table;
 }
 
@@ -85,6 +87,7 @@ Table Aggregate::motion_table() const {
     table.rows.push_back(std::move(row));
   }
   mark_columns(table, false);
+  table.last_row_apart = true;
   return table;
 }
 
@@ -108,6 +111,7 @@ Table Aggregate::ablation_table() const {
     }
     table.rows.push_back(std::move(row));
   }
+  table.last_row_apart = true;
   return table;
 }
 

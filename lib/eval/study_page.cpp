@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
+#include "base/embedded_text.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/log.h"
-#include "eval/page_text.h"
 #include "splat/video.h"
 
 namespace physmas::eval {
@@ -16,13 +16,6 @@ namespace {
 
 constexpr size_t kCodeLength = 12;
 constexpr size_t kMaxCards = 9;  // one key each
-
-std::string study_template() {
-  for (int i = 0; i < kPageTextCount; ++i) {
-    if (std::string(kPageTexts[i].name) == "study") return kPageTexts[i].text;
-  }
-  throw internal_error("the study page is not embedded");
-}
 
 // JSON inside a script element: "</script>" and "<!--" would end it.
 std::string script_json(const Json& json) {
@@ -80,7 +73,7 @@ void write_study_page(const std::string& folder, const Evaluation& evaluation, c
     const double aspect = first.height > 0 ? static_cast<double>(first.width) / first.height : 1;
     json["trials"].push_back({{"case", c.id}, {"prompt", c.prompt}, {"aspect", aspect}, {"cards", cards}});
   }
-  std::string page = study_template();
+  std::string page = embedded_text("lib/eval/pages/study.html");
   const std::string place = "@STUDY@";
   page.replace(page.find(place), place.size(), script_json(json));
   write_file(folder + "/page/index.html", page);

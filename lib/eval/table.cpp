@@ -78,9 +78,11 @@ std::string Table::latex() const {
   } else {
     text += latex_text(corner);
   }
-  for (const Column& column : columns) text += " & " + latex_text(column.name);
+  for (const Column& column : columns)
+    text += " & " + (column.name == "CLIPsim" ? std::string("CLIP$_{sim}$") : latex_text(column.name));
   text += " \\\\\n\\midrule\n";
   for (const Row& row : rows) {
+    if (last_row_apart && rows.size() > 1 && &row == &rows.back()) text += "\\midrule\n";
     text += latex_text(row.label);
     for (const Cell& cell : row.cells) {
       const std::string value = latex_text(cell_text(cell));

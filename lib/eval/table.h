@@ -39,6 +39,7 @@ struct Table {
   std::string caption;  // one sentence
   std::vector<Column> columns;
   std::vector<Row> rows;
+  bool last_row_apart = false;  // LaTeX: a rule before it, as the paper sets its own method and averages apart
 
   std::string latex() const;     // a booktabs tabular with its caption
   std::string markdown() const;  // a pipe table under its caption

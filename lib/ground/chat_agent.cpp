@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <set>
 
+#include "base/embedded_text.h"
 #include "ground/action_proposal.h"
 #include "ground/reference.h"
 #include "ground/scene_inventory.h"
 #include "ground/words.h"
-#include "remote/prompt_text.h"
 #include "splat/image_io.h"
 
 namespace physmas::ground {
@@ -133,7 +133,7 @@ Json ChatAgent::propose(const Inventory* registered, Inventory& inventory) {
   const SceneGeometry axes = measure_scene(scene_, Inventory(), {});
   remote::Question question;
   question.name = "ground_schema";
-  question.instructions = remote::prompt_text("ground/schema");
+  question.instructions = embedded_text("lib/ground/prompts/schema.txt");
   const Json subject = {{"prompt", scene_.prompt},
                         {"front_view", pictures_[0].view},
                         {"views", view_names()},
@@ -171,7 +171,7 @@ Queries ChatAgent::plan_perception(Inventory& inventory, const std::vector<std::
   }
   remote::Question question;
   question.name = missed.empty() ? "ground_perception" : "ground_repair";
-  question.instructions = remote::prompt_text("ground/perception");
+  question.instructions = embedded_text("lib/ground/prompts/perception.txt");
   question.text =
       "The views: " + Json(view_names()).dump() + "\nThe keys: " + things.dump() + "\nThe sheet of views follows.";
   question.images = {splat::encode_png(splat::view_sheet(pictures_))};

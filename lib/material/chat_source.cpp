@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "remote/prompt_text.h"
+#include "base/embedded_text.h"
 #include "splat/image_io.h"
 
 namespace physmas::material {
@@ -63,7 +63,7 @@ MaterialRecords ask_about_rows(remote::ChatClient& chat, const Inventory& invent
     }
     remote::Question question;
     question.name = "material_" + row.object + "_" + row.part;
-    question.instructions = remote::prompt_text("material/row");
+    question.instructions = embedded_text("lib/material/prompts/row.txt");
     const Json subject = {{"key", row.key()},
                           {"object", inventory.objects[inventory.object_of_row(static_cast<int>(r))].name},
                           {"name", row.name},

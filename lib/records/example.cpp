@@ -4,6 +4,8 @@
 #include <array>
 #include <set>
 
+#include "records/json_fields.h"
+
 namespace physmas {
 namespace {
 
@@ -44,14 +46,6 @@ int index_of(const Names& names, const std::string& name) {
   return static_cast<int>(at - names.begin());
 }
 
-template <class T>
-void read(const Json& json, const char* key, T& value) {
-  if (json.contains(key)) value = json.at(key).get<T>();
-}
-void read(const Json& json, const char* key, Eigen::Vector3d& value) {
-  if (json.contains(key)) value = vector3_from(json.at(key));
-}
-
 void check_fields(const Json& json, const ShapeFields& type, const std::string& file, const std::string& pointer) {
   const auto takes = [&](const std::string& field) {
     return std::find(type.fields.begin(), type.fields.end(), field) != type.fields.end();
@@ -81,53 +75,53 @@ Shape shape_from(const Json& json, double spacing, const std::string& file, cons
     if (type == shape_fields()[i].name) shape.type = static_cast<Shape::Type>(i);
   }
   check_fields(json, shape_fields()[static_cast<size_t>(shape.type)], file, pointer);
-  read(json, "radius", shape.radius);
+  read_if_present(json, "radius", shape.radius);
   shape.top_radius = shape.type == Shape::Type::tube ? shape.radius : 0;
-  read(json, "top_radius", shape.top_radius);
-  read(json, "tube_radius", shape.tube_radius);
-  read(json, "height", shape.height);
-  read(json, "radii", shape.radii);
-  read(json, "size", shape.size);
-  read(json, "rounding", shape.rounding);
+  read_if_present(json, "top_radius", shape.top_radius);
+  read_if_present(json, "tube_radius", shape.tube_radius);
+  read_if_present(json, "height", shape.height);
+  read_if_present(json, "radii", shape.radii);
+  read_if_present(json, "size", shape.size);
+  read_if_present(json, "rounding", shape.rounding);
   for (const Json& p : json.value("profile", Json::array())) {
     shape.profile.emplace_back(p[0].get<double>(), p[1].get<double>());
     if (shape.profile.back().x() < 0)
       throw invalid_field(file, pointer + "/profile", p, "a radius that is not negative");
   }
   for (const Json& p : json.value("path", Json::array())) shape.path.push_back(vector3_from(p));
-  read(json, "length", shape.length);
-  read(json, "width", shape.width);
-  read(json, "droop", shape.droop);
-  read(json, "center", shape.center);
-  read(json, "rotation", shape.rotation);
+  read_if_present(json, "length", shape.length);
+  read_if_present(json, "width", shape.width);
+  read_if_present(json, "droop", shape.droop);
+  read_if_present(json, "center", shape.center);
+  read_if_present(json, "rotation", shape.rotation);
   shape.spacing = json.value("spacing", spacing);
-  read(json, "color", shape.color);
-  read(json, "color_jitter", shape.color_jitter);
-  read(json, "opacity", shape.opacity);
-  read(json, "gloss", shape.gloss);
-  read(json, "outside_of", shape.outside_of);
+  read_if_present(json, "color", shape.color);
+  read_if_present(json, "color_jitter", shape.color_jitter);
+  read_if_present(json, "opacity", shape.opacity);
+  read_if_present(json, "gloss", shape.gloss);
+  read_if_present(json, "outside_of", shape.outside_of);
   if (json.contains("pattern")) {
     const Json& p = json.at("pattern");
     Shape::Pattern pattern;
     pattern.type = static_cast<Shape::Pattern::Type>(index_of(kPatterns, p.at("type").get<std::string>()));
-    read(p, "color", pattern.color);
-    read(p, "count", pattern.count);
-    read(p, "amount", pattern.amount);
+    read_if_present(p, "color", pattern.color);
+    read_if_present(p, "count", pattern.count);
+    read_if_present(p, "amount", pattern.amount);
     shape.pattern = pattern;
   }
   if (json.contains("copies")) {
     const Json& c = json.at("copies");
     Shape::Copies copies;
     copies.type = static_cast<Shape::Copies::Type>(index_of(kCopies, c.at("type").get<std::string>()));
-    read(c, "count", copies.count);
-    read(c, "center", copies.center);
-    read(c, "rotation", copies.rotation);
-    read(c, "radius", copies.radius);
-    read(c, "start", copies.start);
-    read(c, "tilt", copies.tilt);
-    read(c, "position_jitter", copies.position_jitter);
-    read(c, "rotation_jitter", copies.rotation_jitter);
-    read(c, "scale_jitter", copies.scale_jitter);
+    read_if_present(c, "count", copies.count);
+    read_if_present(c, "center", copies.center);
+    read_if_present(c, "rotation", copies.rotation);
+    read_if_present(c, "radius", copies.radius);
+    read_if_present(c, "start", copies.start);
+    read_if_present(c, "tilt", copies.tilt);
+    read_if_present(c, "position_jitter", copies.position_jitter);
+    read_if_present(c, "rotation_jitter", copies.rotation_jitter);
+    read_if_present(c, "scale_jitter", copies.scale_jitter);
     shape.copies = copies;
   }
   return shape;
@@ -137,7 +131,7 @@ ExampleObject object_from(const Json& json, double spacing, const std::string& f
   ExampleObject object;
   object.id = json.at("id").get<std::string>();
   object.name = json.at("name").get<std::string>();
-  read(json, "scene_role", object.scene_role);
+  read_if_present(json, "scene_role", object.scene_role);
   std::set<std::string> parts;
   for (size_t p = 0; p < json.at("parts").size(); ++p) {
     const Json& entry = json.at("parts")[p];
@@ -145,9 +139,9 @@ ExampleObject object_from(const Json& json, double spacing, const std::string& f
     ExamplePart part;
     part.part = entry.at("part").get<std::string>();
     part.name = entry.at("name").get<std::string>();
-    read(entry, "structural_role", part.structural_role);
-    read(entry, "physics_group", part.physics_group);
-    read(entry, "expected_labels", part.expected_labels);
+    read_if_present(entry, "structural_role", part.structural_role);
+    read_if_present(entry, "physics_group", part.physics_group);
+    read_if_present(entry, "expected_labels", part.expected_labels);
     if (!parts.insert(part.part).second)
       throw invalid_field(file, at + "/part", entry.at("part"), "an id that no other part of the object has");
     for (size_t s = 0; s < entry.at("shapes").size(); ++s)
@@ -177,25 +171,25 @@ Example load_example(const std::string& path) {
   example.prompt = document.at("prompt").get<std::string>();
   if (example.prompt.find_first_not_of(" \t\r\n") == std::string::npos)
     throw invalid_field(path, "/prompt", document.at("prompt"), "a prompt that is not blank");
-  read(document, "seed", example.seed);
-  read(document, "up", example.up);
-  read(document, "spacing", example.spacing);
-  read(document, "run", example.run);
+  read_if_present(document, "seed", example.seed);
+  read_if_present(document, "up", example.up);
+  read_if_present(document, "spacing", example.spacing);
+  read_if_present(document, "run", example.run);
   if (document.contains("floor")) {
     const Json& json = document.at("floor");
     Example::Floor floor;
-    read(json, "height", floor.height);
-    read(json, "mode", floor.mode);
-    read(json, "friction", floor.friction);
+    read_if_present(json, "height", floor.height);
+    read_if_present(json, "mode", floor.mode);
+    read_if_present(json, "friction", floor.friction);
     example.floor = floor;
   }
   if (document.contains("camera")) {
     const Json& json = document.at("camera");
-    read(json, "azimuth", example.camera.azimuth);
-    read(json, "elevation", example.camera.elevation);
-    read(json, "view_elevation", example.camera.view_elevation);
-    read(json, "fov", example.camera.fov);
-    read(json, "margin", example.camera.margin);
+    read_if_present(json, "azimuth", example.camera.azimuth);
+    read_if_present(json, "elevation", example.camera.elevation);
+    read_if_present(json, "view_elevation", example.camera.view_elevation);
+    read_if_present(json, "fov", example.camera.fov);
+    read_if_present(json, "margin", example.camera.margin);
     if (json.contains("frame")) {
       const Eigen::Vector3d min = vector3_from(json.at("frame").at("min")),
                             max = vector3_from(json.at("frame").at("max"));

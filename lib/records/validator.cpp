@@ -9,19 +9,16 @@
 #include <valijson/validation_results.hpp>
 #include <valijson/validator.hpp>
 
+#include "base/embedded_text.h"
 #include "base/error.h"
-#include "records/schema_text.h"
 
 namespace physmas {
 namespace {
 
 using nlohmann::json;
 
-const char* schema_text(const std::string& file) {
-  for (int i = 0; i < kSchemaTextCount; ++i) {
-    if (file == kSchemaTexts[i].name) return kSchemaTexts[i].text;
-  }
-  throw internal_error("no schema named " + file);
+std::string schema_text(const std::string& file) {
+  return embedded_text("schemas/" + file);
 }
 
 // Schemas refer to schemas/common.json by its file name.

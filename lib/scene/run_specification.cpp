@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "records/json_fields.h"
+
 namespace physmas {
 namespace {
 
@@ -20,22 +22,13 @@ int index_of(const std::array<const char*, N>& names, const std::string& name) {
   throw internal_error("a name that the schema should have refused: " + name);
 }
 
-// Copies json[key] into `value` when it is there.
-template <class T>
-void read(const Json& json, const char* key, T& value) {
-  if (json.contains(key)) value = json.at(key).get<T>();
-}
-void read(const Json& json, const char* key, Eigen::Vector3d& value) {
-  if (json.contains(key)) value = vector3_from(json.at(key));
-}
-
 Collider collider_from(const Json& json, const std::string& file, const std::string& pointer) {
   Collider c;
   c.type = static_cast<Collider::Type>(index_of(kColliderTypes, json.at("type").get<std::string>()));
   if (json.contains("mode")) {
     c.mode = static_cast<Collider::Mode>(index_of(kColliderModes, json.at("mode").get<std::string>()));
   }
-  read(json, "friction", c.friction);
+  read_if_present(json, "friction", c.friction);
   static const std::array<std::vector<const char*>, 3> kFields = {
       {{"point", "normal"}, {"min", "max"}, {"center", "radius"}}};
   for (size_t type = 0; type < kFields.size(); ++type) {
@@ -48,12 +41,12 @@ Collider collider_from(const Json& json, const std::string& file, const std::str
       }
     }
   }
-  read(json, "point", c.point);
-  read(json, "center", c.point);
-  read(json, "normal", c.normal);
-  read(json, "min", c.min);
-  read(json, "max", c.max);
-  read(json, "radius", c.radius);
+  read_if_present(json, "point", c.point);
+  read_if_present(json, "center", c.point);
+  read_if_present(json, "normal", c.normal);
+  read_if_present(json, "min", c.min);
+  read_if_present(json, "max", c.max);
+  read_if_present(json, "radius", c.radius);
   if (c.type == Collider::Type::plane) {
     if (!(c.normal.norm() > 1e-9))
       throw invalid_field(file, pointer + "/normal", json.at("normal"), "a vector that is not zero");
@@ -83,23 +76,23 @@ RunSpecification run_specification_from(const Json& json, const std::string& fil
   const auto section = [&](const char* name) -> const Json& { return json.contains(name) ? json.at(name) : empty; };
 
   const Json& grid = section("grid");
-  read(grid, "n", run.grid.n);
-  read(grid, "length", run.grid.length);
+  read_if_present(grid, "n", run.grid.n);
+  read_if_present(grid, "length", run.grid.length);
 
   const Json& placement = section("placement");
   run.placement.extent = 0.5 * run.grid.length;
   run.placement.center.setConstant(0.5 * run.grid.length);
-  read(placement, "extent", run.placement.extent);
-  read(placement, "center", run.placement.center);
-  read(placement, "up", run.placement.up);
+  read_if_present(placement, "extent", run.placement.extent);
+  read_if_present(placement, "center", run.placement.center);
+  read_if_present(placement, "up", run.placement.up);
 
   const Json& time = section("time");
-  read(time, "frames", run.time.frames);
-  read(time, "frame_dt", run.time.frame_dt);
-  read(time, "substep_dt", run.time.substep_dt);
-  read(time, "min_substep_dt", run.time.min_substep_dt);
-  read(time, "max_substeps", run.time.max_substeps);
-  read(time, "rule", run.time.rule);
+  read_if_present(time, "frames", run.time.frames);
+  read_if_present(time, "frame_dt", run.time.frame_dt);
+  read_if_present(time, "substep_dt", run.time.substep_dt);
+  read_if_present(time, "min_substep_dt", run.time.min_substep_dt);
+  read_if_present(time, "max_substeps", run.time.max_substeps);
+  read_if_present(time, "rule", run.time.rule);
   if (run.time.substep_dt > run.time.frame_dt) {
     throw invalid_field(file, pointer + "/time/substep_dt", run.time.substep_dt, "at most frame_dt");
   }
@@ -118,52 +111,52 @@ RunSpecification run_specification_from(const Json& json, const std::string& fil
   for (size_t i = 0; i < colliders.size(); ++i) {
     run.colliders.push_back(collider_from(colliders[i], file, pointer + "/colliders/" + std::to_string(i)));
   }
-  read(json, "walls", run.walls);
+  read_if_present(json, "walls", run.walls);
 
   const Json& particles = section("particles");
-  read(particles, "max", run.particles.max);
-  read(particles, "per_cell", run.particles.per_cell);
-  read(particles, "fill", run.particles.fill);
+  read_if_present(particles, "max", run.particles.max);
+  read_if_present(particles, "per_cell", run.particles.per_cell);
+  read_if_present(particles, "fill", run.particles.fill);
 
-  read(section("segmentation"), "grabcut", run.segmentation.grabcut);
+  read_if_present(section("segmentation"), "grabcut", run.segmentation.grabcut);
   if (section("lifting").contains("occlusion")) {
     run.lifting.occlusion = static_cast<RunSpecification::Lifting::Occlusion>(
         index_of(kOcclusions, json.at("lifting").at("occlusion").get<std::string>()));
   }
 
   const Json& profile = section("profile");
-  read(profile, "foam_yield", run.profile.foam_yield);
-  read(profile, "foam_viscosity", run.profile.foam_viscosity);
-  read(profile, "plasticine_yield", run.profile.plasticine_yield);
-  read(profile, "plasticine_softening", run.profile.plasticine_softening);
-  read(profile, "plasticine_residual", run.profile.plasticine_residual);
-  read(profile, "sand_friction_angle", run.profile.sand_friction_angle);
-  read(profile, "alpha", run.profile.alpha);
-  read(profile, "sand_k", run.profile.sand_k);
-  read(profile, "snow_k", run.profile.snow_k);
-  read(profile, "plasticine_k", run.profile.plasticine_k);
+  read_if_present(profile, "foam_yield", run.profile.foam_yield);
+  read_if_present(profile, "foam_viscosity", run.profile.foam_viscosity);
+  read_if_present(profile, "plasticine_yield", run.profile.plasticine_yield);
+  read_if_present(profile, "plasticine_softening", run.profile.plasticine_softening);
+  read_if_present(profile, "plasticine_residual", run.profile.plasticine_residual);
+  read_if_present(profile, "sand_friction_angle", run.profile.sand_friction_angle);
+  read_if_present(profile, "alpha", run.profile.alpha);
+  read_if_present(profile, "sand_k", run.profile.sand_k);
+  read_if_present(profile, "snow_k", run.profile.snow_k);
+  read_if_present(profile, "plasticine_k", run.profile.plasticine_k);
 
   run.projection.rigid = section("projection").value("mode", "literal") == "rigid";
   run.transport.total = section("transport").value("deformation", "elastic") == "total";
 
   const Json& screening = section("screening");
-  read(screening, "initial", run.screening.initial);
-  read(screening, "rounds", run.screening.rounds);
-  read(screening, "repairs", run.screening.repairs);
-  read(screening, "tau", run.screening.tau);
-  read(screening, "dark_luminance", run.screening.dark_luminance);
-  read(screening, "weights", run.screening.weights);
+  read_if_present(screening, "initial", run.screening.initial);
+  read_if_present(screening, "rounds", run.screening.rounds);
+  read_if_present(screening, "repairs", run.screening.repairs);
+  read_if_present(screening, "tau", run.screening.tau);
+  read_if_present(screening, "dark_luminance", run.screening.dark_luminance);
+  read_if_present(screening, "weights", run.screening.weights);
 
   const Json& ablation = section("ablation");
-  read(ablation, "object_part_state", run.ablation.object_part_state);
-  read(ablation, "structure_projection", run.ablation.structure_projection);
-  read(ablation, "part_materials", run.ablation.part_materials);
+  read_if_present(ablation, "object_part_state", run.ablation.object_part_state);
+  read_if_present(ablation, "structure_projection", run.ablation.structure_projection);
+  read_if_present(ablation, "part_materials", run.ablation.part_materials);
 
   const Json& render = section("render");
-  read(render, "width", run.render.width);
-  read(render, "height", run.render.height);
-  read(render, "background", run.render.background);
-  read(render, "sh_degree", run.render.sh_degree);
+  read_if_present(render, "width", run.render.width);
+  read_if_present(render, "height", run.render.height);
+  read_if_present(render, "background", run.render.background);
+  read_if_present(render, "sh_degree", run.render.sh_degree);
 
   const double wall = run.walls * run.grid.dx();
   const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.5 * run.placement.extent);

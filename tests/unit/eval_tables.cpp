@@ -177,6 +177,9 @@ TEST_CASE("eval: tables escape what their format reads") {
   Table table = Aggregate(evaluation, {}).paper_tables()[1];
   CHECK(table.latex().find("Alpha \\& Co & 0.1000 & –") != std::string::npos);
   CHECK(table.latex().find("\\textbf{0.2000}") != std::string::npos);
+  CHECK(table.latex().find("CLIP$_{sim}$ & UPR") != std::string::npos);
+  // The last method, ours by custom, stands below a rule.
+  CHECK(table.latex().rfind("\\midrule") > table.latex().find("Alpha"));
   table.rows[0].label = "=a|b,\"c\"";
   CHECK(table.markdown().find("=a\\|b") != std::string::npos);
   CHECK(table.csv().find("\"'=a|b,\"\"c\"\"\",0.1,") != std::string::npos);

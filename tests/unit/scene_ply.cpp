@@ -1,6 +1,5 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "scene/gaussian_files.h"
+#include "temporary_folder.h"
 
 namespace {
 
@@ -45,13 +45,6 @@ bool same(const Gaussians& a, const Gaussians& b) {
   return a.sh_degree == b.sh_degree && same_bits(a.position, b.position) && same_bits(a.log_scale, b.log_scale) &&
          same_bits(a.rotation, b.rotation) && same_bits(a.opacity_logit, b.opacity_logit) && same_bits(a.sh, b.sh);
 }
-
-// A folder that goes away with the test.
-struct Folder {
-  std::string path = (std::filesystem::temp_directory_path() / fmt::format("physmas-ply-{}", getpid())).string();
-  Folder() { std::filesystem::create_directories(path); }
-  ~Folder() { std::filesystem::remove_all(path); }
-};
 
 template <typename T>
 void put(std::string& bytes, T value, bool big_endian = false) {
@@ -111,10 +104,10 @@ std::string shared_data(const std::string& name) {
 }  // namespace
 
 TEST_CASE("ply: round trip keeps every value bit for bit at every degree") {
-  const Folder folder;
+  const TemporaryFolder folder;
   for (int degree = 0; degree <= 3; ++degree) {
     const Gaussians g = random_gaussians(37, degree, 7 + degree);
-    const std::string path = folder.path + "/a.ply";
+    const std::string path = folder / "a.ply";
     CHECK(physmas::save_gaussians_ply(path, g));
     CHECK_FALSE(physmas::save_gaussians_ply(path, g));
     CHECK(same(physmas::load_gaussians(path), g));
@@ -124,12 +117,12 @@ TEST_CASE("ply: round trip keeps every value bit for bit at every degree") {
 TEST_CASE("ply: a real file survives a round trip value for value") {
   const std::string path = shared_data("udon.ply");
   if (path.empty()) return;
-  const Folder folder;
+  const TemporaryFolder folder;
   const Gaussians g = physmas::load_gaussians(path);
   CHECK(g.size() == 2153);
   CHECK(g.sh_degree == 3);
-  physmas::save_gaussians_ply(folder.path + "/b.ply", g);
-  CHECK(same(physmas::load_gaussians(folder.path + "/b.ply"), g));
+  physmas::save_gaussians_ply(folder / "b.ply", g);
+  CHECK(same(physmas::load_gaussians(folder / "b.ply"), g));
 }
 
 TEST_CASE("ply: f_rest is channel-major") {

@@ -1,8 +1,6 @@
 #include <doctest/doctest.h>
-#include <fmt/format.h>
 #include <omp.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <csignal>
@@ -15,17 +13,12 @@
 #include "splat/image_io.h"
 #include "splat/video.h"
 #include "splat_scenes.h"
+#include "temporary_folder.h"
 
 using namespace physmas;
 using namespace physmas::splat;
 
 namespace {
-
-struct Folder {
-  std::string path = (std::filesystem::temp_directory_path() / fmt::format("physmas-splat-{}", getpid())).string();
-  Folder() { std::filesystem::create_directories(path); }
-  ~Folder() { std::filesystem::remove_all(path); }
-};
 
 Image noise(int width, int height, int channels, unsigned seed) {
   std::mt19937 random(seed);
@@ -72,17 +65,17 @@ size_t entries(const std::string& folder) {
 }  // namespace
 
 TEST_CASE("splat: PNG files keep every pixel and have one encoding") {
-  const Folder folder;
+  const TemporaryFolder folder;
   for (int channels : {1, 3, 4}) {
     const Image image = noise(37, 23, channels, channels);
-    const std::string path = folder.path + "/a.png";
+    const std::string path = folder / "a.png";
     CHECK(save_png(path, image));
     const std::string bytes = read_file(path);
     CHECK_FALSE(save_png(path, image));
     cv::setNumThreads(1);
-    CHECK(save_png(folder.path + "/b.png", image));
-    CHECK(read_file(folder.path + "/b.png") == bytes);
-    std::filesystem::remove(folder.path + "/b.png");
+    CHECK(save_png(folder / "b.png", image));
+    CHECK(read_file(folder / "b.png") == bytes);
+    std::filesystem::remove(folder / "b.png");
     const Image back = load_image(path);
     CHECK(back.channels == channels);
     CHECK(back.pixels == image.pixels);
@@ -94,9 +87,9 @@ TEST_CASE("splat: PNG files keep every pixel and have one encoding") {
     vast[16] = vast[20] = 0x70;
     CHECK(error_of([&] { write_file(path, vast), load_image(path); }).find("IHDR") != std::string::npos);
   }
-  CHECK(error_of([&] { load_image(folder.path + "/none.png"); }).find("none.png") != std::string::npos);
-  write_file(folder.path + "/text.png", "hello");
-  CHECK(error_of([&] { load_image(folder.path + "/text.png"); }).find("PNG") != std::string::npos);
+  CHECK(error_of([&] { load_image(folder / "none.png"); }).find("none.png") != std::string::npos);
+  write_file(folder / "text.png", "hello");
+  CHECK(error_of([&] { load_image(folder / "text.png"); }).find("PNG") != std::string::npos);
 }
 
 TEST_CASE("splat: rendered images are cut above 1 only when they are quantised") {
@@ -120,8 +113,8 @@ TEST_CASE("splat: a contact sheet holds every picture") {
 }
 
 TEST_CASE("video: exact frame count, right colours, even and odd sizes") {
-  const Folder folder;
-  const std::string path = folder.path + "/v.mp4";
+  const TemporaryFolder folder;
+  const std::string path = folder / "v.mp4";
   for (int frames : {1, 2, 50}) {
     write_video(path, 64, 48, frames);
     CHECK(count_decodable_frames(path) == frames);
@@ -147,8 +140,8 @@ TEST_CASE("video: exact frame count, right colours, even and odd sizes") {
 }
 
 TEST_CASE("video: the same frames give the same bytes, without times or versions") {
-  const Folder folder;
-  const std::string a = folder.path + "/a.mp4", b = folder.path + "/b.mp4";
+  const TemporaryFolder folder;
+  const std::string a = folder / "a.mp4", b = folder / "b.mp4";
   CHECK(write_video(a, 160, 120, 30));
   CHECK_FALSE(write_video(a, 160, 120, 30));
   const int before = omp_get_max_threads();
@@ -163,8 +156,8 @@ TEST_CASE("video: the same frames give the same bytes, without times or versions
 }
 
 TEST_CASE("video: damaged and foreign files are refused") {
-  const Folder folder;
-  const std::string path = folder.path + "/v.mp4";
+  const TemporaryFolder folder;
+  const std::string path = folder / "v.mp4";
   write_video(path, 96, 96, 40);
   const std::string bytes = read_file(path);
   for (double part : {0.0, 0.05, 0.3, 0.6, 0.95}) {
@@ -173,16 +166,16 @@ TEST_CASE("video: damaged and foreign files are refused") {
   }
   write_file(path, "no video");
   CHECK(error_of([&] { count_decodable_frames(path); }) != "");
-  CHECK(error_of([&] { count_decodable_frames(folder.path + "/none.mp4"); }).find("No such file") != std::string::npos);
+  CHECK(error_of([&] { count_decodable_frames(folder / "none.mp4"); }).find("No such file") != std::string::npos);
 }
 
 TEST_CASE("video: an unfinished or failed video leaves nothing behind") {
-  const Folder folder;
+  const TemporaryFolder folder;
   {
-    VideoWriter writer(folder.path + "/v.mp4", 64, 48, 25);
+    VideoWriter writer(folder / "v.mp4", 64, 48, 25);
     writer.write(moving_square(64, 48, 0));
   }
-  CHECK(entries(folder.path) == 0);
+  CHECK(entries(folder.path()) == 0);
   CHECK(error_of([&] { VideoWriter("/proc/v.mp4", 64, 48, 25); }) != "");
   // A file-size limit stands for a full disk.
   rlimit old_limit;
@@ -192,12 +185,12 @@ TEST_CASE("video: an unfinished or failed video leaves nothing behind") {
   limit.rlim_cur = 20000;
   setrlimit(RLIMIT_FSIZE, &limit);
   const std::string text = error_of([&] {
-    VideoWriter writer(folder.path + "/v.mp4", 128, 128, 25);
+    VideoWriter writer(folder / "v.mp4", 128, 128, 25);
     for (int t = 0; t < 20; ++t) writer.write(noise(128, 128, 3, t));
     writer.finish();
   });
   setrlimit(RLIMIT_FSIZE, &old_limit);
   std::signal(SIGXFSZ, old_handler);
   CHECK(text.find("v.mp4: cannot be written") != std::string::npos);
-  CHECK(entries(folder.path) == 0);
+  CHECK(entries(folder.path()) == 0);
 }
