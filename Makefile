@@ -239,7 +239,8 @@ FUZZ_FLAGS := -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undef
               $(if $(filter libfuzzer,$(FUZZ_ENGINE)),-fsanitize=fuzzer-no-link)
 # What the targets reach: all but the command line and the making of scenes.
 FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp $(patsubst %,lib/scene/%.cpp,color neighbors overrides pattern \
-                  placement report surface synth),$(wildcard lib/base/*.cpp lib/records/*.cpp lib/scene/*.cpp))
+                  placement report surface synth),$(wildcard lib/base/*.cpp lib/records/*.cpp lib/scene/*.cpp)) \
+                lib/ground/coco.cpp lib/eval/array_file.cpp lib/eval/zip_file.cpp lib/splat/image_io.cpp
 FUZZ_OBJECTS := $(FUZZ_SOURCES:%.cpp=$(FUZZ_BUILD)/obj/%.o) $(FUZZ_BUILD)/obj/schemas.o
 
 $(FUZZ_BUILD)/obj/%.o: %.cpp | build/.packages
