@@ -35,8 +35,8 @@ std::vector<CapturedView> captured_views_from(const Json& document, const std::s
 
 // One reader per kind.
 // transforms.json: camera-to-world matrices with OpenGL axes; w, h, fl_x, fl_y, cx, cy, k1.. for all or per frame;
-// focal lengths from camera_angle_x, camera_angle_y when absent; applied_transform (3 x 4) is undone, so that cameras
-// stand where the capture had them.
+// focal lengths from camera_angle_x, camera_angle_y when absent; applied_transform (3 x 4) and applied_scale are
+// undone, so that cameras stand where the capture had them.
 std::vector<CapturedView> views_from_transforms(const Json& document, const std::string& file,
                                                 const ImageSize& image_size);
 // cameras.json: position and camera-to-world rotation with OpenCV axes, fx, fy, width, height; principal point in the

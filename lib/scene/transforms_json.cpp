@@ -66,6 +66,11 @@ Eigen::Matrix4d undo(const ForeignObject& all) {
   return applied.inverse();
 }
 
+// The factor that was applied to all positions after that.
+double applied_scale(const ForeignObject& all) {
+  return all.has("applied_scale") ? all.positive("applied_scale") : 1;
+}
+
 }  // namespace
 
 std::vector<CapturedView> views_from_transforms(const Json& document, const std::string& file,
@@ -74,6 +79,7 @@ std::vector<CapturedView> views_from_transforms(const Json& document, const std:
   const Json& frames = document.at("frames");
   if (!frames.is_array() || frames.empty()) throw all.error("frames", "a list with at least one frame");
   const Eigen::Matrix4d undone = undo(all);
+  const double scale = applied_scale(all);
   std::vector<CapturedView> views;
   for (size_t i = 0; i < frames.size(); ++i) {
     const ForeignObject frame(frames[i], file, fmt::format("/frames/{}", i));
@@ -81,6 +87,7 @@ std::vector<CapturedView> views_from_transforms(const Json& document, const std:
     require_pinhole(lens);
     Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
     pose.topRows<3>() = frame.matrix("transform_matrix", 3, 4);
+    pose.topRightCorner<3, 1>() /= scale;
     pose = undone * pose;
     Eigen::Matrix3d axes = pose.topLeftCorner<3, 3>();
     axes.rightCols<2>() *= -1;  // OpenGL looks along -z with y up

@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "scene/choose_views.h"
+#include "scene/dataparser_transform.h"
 #include "scene/view_rig.h"
 #include "splat/image_io.h"
 
@@ -81,7 +82,7 @@ Camera scaled_to(Camera camera, const Image& image, const std::string& file) {
 
 }  // namespace
 
-UserViews read_user_views(const std::string& cameras, const std::string& folder,
+UserViews read_user_views(const std::string& cameras, const std::string& folder, const std::string& dataparser,
                           const std::vector<Eigen::Vector3d>& points, const std::string& up,
                           const std::string& bundle) {
   const ImageSize size_of = [&](const std::string& name) {
@@ -96,8 +97,10 @@ UserViews read_user_views(const std::string& cameras, const std::string& folder,
   } else {
     captured = load_captured_views(cameras, size_of);
   }
+  if (!dataparser.empty()) load_dataparser_transform(dataparser).apply(captured);
   const std::array<ChosenView, 4> chosen = choose_views(captured, points, up, cameras);
   UserViews user;
+  user.transformed = !dataparser.empty();
   for (size_t side = 0; side < chosen.size(); ++side) {
     const CapturedView& from = captured[chosen[side].index];
     const std::string source = find_image(folder, from.image, cameras);

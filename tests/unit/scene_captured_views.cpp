@@ -4,11 +4,13 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include "input_error.h"
 #include "scene/captured_views.h"
 #include "scene/choose_views.h"
+#include "scene/dataparser_transform.h"
 #include "temporary_folder.h"
 
 using namespace physmas;
@@ -154,6 +156,63 @@ TEST_CASE("cameras: transforms.json undoes its applied transform") {
   Json document = {{"w", 200}, {"h", 100}, {"fl_x", 150}, {"fl_y", 140}, {"applied_transform", rows}};
   document["frames"] = {{{"file_path", "a"}, {"transform_matrix", opengl_pose(known_camera(), applied)}}};
   check_projects(views_of(document).at(0), "a");
+}
+
+TEST_CASE("cameras: nerfstudio's dataparser transform moves cameras into the frame of the Gaussians") {
+  // The point and the camera that the checks know are in nerfstudio's frame: scale (R x + t) of the capture.
+  const double scale = 0.37;
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(0.8, Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  const Vector3d t(0.3, -4, 1.5);
+  Camera captured = known_camera();
+  const Vector3d center = R.transpose() * (captured.center() / scale - t);
+  captured.world_to_camera.topLeftCorner<3, 3>() = captured.rotation() * R;
+  captured.world_to_camera.topRightCorner<3, 1>() = -captured.rotation() * center;
+  Json transform = {{"scale", scale}, {"transform", Json::array()}};
+  for (int r = 0; r < 3; ++r) transform["transform"].push_back({R(r, 0), R(r, 1), R(r, 2), t(r)});
+  // ns-process-data turns the capture before it writes transforms.json; the dataparser takes that back.
+  Eigen::Matrix4d applied = Eigen::Matrix4d::Identity();
+  applied.topRows<3>() << 1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0;
+  Json rows = Json::array();
+  for (int r = 0; r < 3; ++r) rows.push_back({applied(r, 0), applied(r, 1), applied(r, 2), applied(r, 3)});
+  Json document = {{"w", 200}, {"h", 100}, {"fl_x", 150}, {"fl_y", 140}, {"applied_transform", rows}};
+  document["frames"] = {{{"file_path", "a"}, {"transform_matrix", opengl_pose(captured, applied)}}};
+  std::vector<CapturedView> views = views_of(document);
+  dataparser_transform_from(transform, "d.json").apply(views);
+  check_projects(views.at(0), "a");
+
+  // applied_scale: the file's positions are larger than the capture's.
+  document["applied_scale"] = 2;
+  for (int r = 0; r < 3; ++r) {
+    Json& position = document["frames"][0]["transform_matrix"][r][3];
+    position = 2 * position.get<double>();
+  }
+  views = views_of(document);
+  dataparser_transform_from(transform, "d.json").apply(views);
+  check_projects(views.at(0), "a");
+
+  const auto refused = [](const Json& json) { return message_of([&] { dataparser_transform_from(json, "d.json"); }); };
+  Json bad = transform;
+  bad["scale"] = 0;
+  CHECK(refused(bad).find("d.json: /scale") != std::string::npos);
+  bad = transform;
+  bad["transform"][0][0] = 3;
+  CHECK(refused(bad).find("/transform") != std::string::npos);
+  bad["transform"] = "none";
+  CHECK(refused(bad).find("/transform") != std::string::npos);
+  CHECK(refused(Json::array()).find("d.json") != std::string::npos);
+}
+
+TEST_CASE("cameras: the dataparser transform is found beside the Gaussians, then beside the cameras") {
+  const TemporaryFolder folder;
+  for (const char* name : {"export", "data", "data/sparse"}) std::filesystem::create_directory(folder / name);
+  const std::string gaussians = folder / "export/splat.ply", cameras = folder / "data/transforms.json";
+  CHECK(find_dataparser_transform(gaussians, cameras).empty());
+  std::ofstream(folder / "data/dataparser_transforms.json") << "{}";
+  CHECK(find_dataparser_transform(gaussians, cameras) == folder / "data/dataparser_transforms.json");
+  CHECK(find_dataparser_transform(gaussians, folder / "data") == folder / "data/dataparser_transforms.json");
+  CHECK(find_dataparser_transform(gaussians, folder / "data/sparse").empty());
+  std::ofstream(folder / "export/dataparser_transforms.json") << "{}";
+  CHECK(find_dataparser_transform(gaussians, cameras) == folder / "export/dataparser_transforms.json");
 }
 
 TEST_CASE("cameras: transforms.json that is no pinhole, or broken, is refused") {
