@@ -106,15 +106,18 @@ UserViews read_user_views(const std::string& cameras, const std::string& folder,
     const std::string source = find_image(folder, from.image, cameras);
     SceneView view;
     view.name = kViewNames[side];
-    view.camera = scaled_to(from.camera, load_image(source), source);
-    view.image = bundle + "/views/" + view.name + fs::path(source).extension().string();
+    const Image image = load_image(source);
+    view.camera = scaled_to(from.camera, image, source);
+    const bool distorted = !from.distortion.none();
+    view.image = bundle + "/views/" + view.name + (distorted ? ".png" : fs::path(source).extension().string());
     user.chosen.emplace_back(view.name,
                              fmt::format("{}, {:.1f} degrees off", one_line(from.image, 200), chosen[side].angle));
     if (chosen[side].angle > kFarOff) {
       log_warning(fmt::format("{}: no camera near the {} view; the nearest free one is {}", cameras, view.name,
                               user.chosen.back().second));
     }
-    user.files.push_back({view.image, read_file(source)});
+    user.files.push_back(
+        {view.image, distorted ? encode_png(undistorted(image, view.camera, from.distortion)) : read_file(source)});
     user.views.push_back(std::move(view));
   }
   return user;
