@@ -231,6 +231,26 @@ int main(int argc, char** argv) {
       R"({"schema":"physmas/inventory/1","objects":[{"id":"a","name":"a","scene_role":"subject"}],"rows":[{"object":"a",)"
       R"("part":"b","name":"b","structural_role":"body","physics_group":"g","expected_labels":["Wood"]}]})");
 
+  seed(
+      "records/metrics",
+      R"({"schema":"physmas/metrics/1","target":"a","metrics":{"trajectory_nrmse":{"status":"valid","value":0.5,"unit":"",)"
+      R"("samples":3},"area_log_rmse":{"status":"invalid","reason":"no mask"}}})");
+  const std::string token(64, 'a'), methods = R"("methods":["physmas","other"])";
+  seed("records/study", R"({"schema":"physmas/study/1","study":"comparison","token":")" + token + "\"," + methods +
+                            R"(,"cases":[{"id":"cake","kind":"multi-part","profiles":["Jelly"],)"
+                            R"("codes":{"c1":"physmas","c2":"other"}}]})");
+  seed("records/answers", R"({"schema":"physmas/answers/1","token":")" + token +
+                              R"(","respondent":"r","answers":[{"case":"cake","order":["c2","c1"],"choice":"c1"}]})");
+  seed("records/upr", R"({"schema":"physmas/upr/1","study":"ablation",)" + methods +
+                          R"(,"respondents":2,"resamples":10,"seed":0,"cases":[{"id":"cake","responses":2,)"
+                          R"("counts":{"physmas":2,"other":0}}],"sets":[{"name":"Jelly","cases":1,"upr":{"physmas":)"
+                          R"({"value":100,"low":90,"high":100}}}]})");
+  seed("records/evaluation",
+       R"({"schema":"physmas/evaluation/1","methods":[{"id":"physmas","name":"PhysMAS"},{"id":"other","name":"O"}],)"
+       R"("comparison":["physmas","other"],"ablation":["physmas"],"required":["upr"],"cases":[{"id":"cake",)"
+       R"("kind":"multi-part","prompt":"it falls","profiles":["Jelly"],"results":{"physmas":{"status":"done",)"
+       R"("video":"a.mp4","metrics":["m.json"],"seconds":1},"other":{"status":"failed","reason":"no"}}}]})");
+
   seed("hdf5/state", hdf5_state());
   seed("hdf5/rollout", hdf5_rollout());
   seed("hdf5/masks", hdf5_masks());
