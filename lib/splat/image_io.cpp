@@ -1,6 +1,7 @@
 #include "splat/image_io.h"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +89,7 @@ void check_size(const std::string& path, const char* field, uint64_t width, uint
                          fmt::format("at most {}, which the data can hold", most), "the file is cut off"});
 }
 
-// Walks the chunks of a PNG: libpng would print its own line about a file that is cut off.
+// Walks the chunks of a PNG: libpng would print its own line about a file that is cut off or damaged.
 void check_png(const std::string& path, const std::string& bytes) {
   constexpr uint64_t kPixelsPerByte = 1032 * 8;  // the ratio of deflate, one bit per pixel
   size_t at = 8;                                 // after the signature
@@ -103,6 +104,10 @@ void check_png(const std::string& path, const std::string& bytes) {
       if (type != "IHDR" || length != 13) throw invalid_input({path, "byte 8", "another chunk", "IHDR of 13 bytes"});
       check_size(path, "IHDR", number(bytes, at + 8, 4), number(bytes, at + 12, 4), kPixelsPerByte * bytes.size());
     }
+    const uLong sum = crc32(0, reinterpret_cast<const Bytef*>(&bytes[at + 4]), static_cast<uInt>(length + 4));
+    if (sum != number(bytes, at + 8 + length, 4))
+      throw invalid_input(
+          {path, fmt::format("byte {}", at), "damaged data", "a PNG chunk with the sum that it states"});
     at += 12 + length;
   }
 }
@@ -121,6 +126,9 @@ void check_jpeg(const std::string& path, const std::string& bytes) {
     if (frame) {
       check_size(path, "frame header", number(bytes, at + 7, 2), number(bytes, at + 5, 2),
                  kPixelsPerByte * bytes.size());
+      // OpenCV would take what is there and leave the rest grey.
+      if (bytes.find("\xff\xd9", at) == std::string::npos)
+        throw invalid_input({path, "", "no end of image", "a whole JPEG image", "the file is cut off"});
       return;
     }
     const bool alone = marker <= 0x01 || (marker >= 0xd0 && marker <= 0xd8);
