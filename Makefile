@@ -126,7 +126,8 @@ say = $(if $(filter 0,$(V)),@printf '  %-5s %s\n' '$(1)' '$(2)')
 .PRECIOUS: $(BUILD)/obj/%.o
 # A run reads this file several times (pipelines/physmas.mk); header dependencies matter the first time only.
 ifeq ($(MAKE_RESTARTS),)
--include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(TEST_TOOL_SOURCES) $(BENCH_SOURCES)))
+-include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(TEST_TOOL_SOURCES) $(BENCH_SOURCES) \
+            $(wildcard tests/fuzz/*.cpp)))
 endif
 
 # --- What a bare Debian 12 lacks: one list for people, make and CI ------------------------------------------------

@@ -188,7 +188,7 @@ int main(int argc, char** argv) {
     }
   }
 
-  Json transforms = {{"w", 64}, {"h", 48}, {"fl_x", 60}, {"k1", 0}, {"frames", Json::array()}},
+  Json transforms = {{"w", 64}, {"h", 48}, {"fl_x", 60}, {"k1", 0.1}, {"p2", 0.01}, {"frames", Json::array()}},
        splatting = Json::array();
   Json blender = {{"camera_angle_x", 0.7}, {"frames", Json::array()}};
   for (int i = 0; i < 4; ++i) {
@@ -206,6 +206,7 @@ int main(int argc, char** argv) {
   seed("cameras/transforms", transforms.dump());
   seed("cameras/blender", blender.dump());
   seed("cameras/splatting", splatting.dump());
+  seed("cameras/dataparser", R"({"transform":[[1,0,0,0.5],[0,0,1,0],[0,-1,0,2]],"scale":0.4})");
   seed("colmap/text", colmap_text());
   seed("colmap/binary", colmap_binary());
 
