@@ -106,7 +106,8 @@ say = $(if $(filter 0,$(V)),@printf '  %-5s %s\n' '$(1)' '$(2)')
 .PRECIOUS: $(BUILD)/obj/%.o
 # A run reads this file several times (pipelines/physmas.mk); header dependencies matter the first time only.
 ifeq ($(MAKE_RESTARTS),)
--include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(TEST_TOOL_SOURCES) $(BENCH_SOURCES)))
+-include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(TEST_TOOL_SOURCES) $(BENCH_SOURCES) \
+            $(wildcard tests/fuzz/*.cpp)))
 endif
 
 # --- What a bare Debian 12 lacks: one list for people, make and CI ------------------------------------------------
@@ -225,7 +226,8 @@ FUZZ_FLAGS := -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undef
               $(if $(filter libfuzzer,$(FUZZ_ENGINE)),-fsanitize=fuzzer-no-link)
 # What the targets reach: all but the command line and the making of scenes.
 FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp $(patsubst %,lib/scene/%.cpp,color neighbors overrides pattern \
-                  placement report surface synth),$(wildcard lib/base/*.cpp lib/records/*.cpp lib/scene/*.cpp))
+                  placement report surface synth),$(wildcard lib/base/*.cpp lib/records/*.cpp lib/scene/*.cpp)) \
+                lib/ground/coco.cpp lib/eval/array_file.cpp lib/eval/zip_file.cpp lib/splat/image_io.cpp
 FUZZ_OBJECTS := $(FUZZ_SOURCES:%.cpp=$(FUZZ_BUILD)/obj/%.o) $(FUZZ_BUILD)/obj/embedded_texts.o
 
 $(FUZZ_BUILD)/obj/%.o: %.cpp | build/.packages

@@ -3,8 +3,8 @@
 # RUN      the run's folder
 # Where the scene comes from, one of:
 #   EXAMPLE    name of a description in examples/           -> pm-scene synth
-#   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, INVENTORY, MASKS, VIEWS and CAMERAS, SPEC, PHYSGAUSSIAN, OPACITY, CROP, DROP,
-#              AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
+#   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, INVENTORY, MASKS, VIEWS and CAMERAS (with DATAPARSER), SPEC, PHYSGAUSSIAN,
+#              OPACITY, CROP, DROP, AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
 #   SCENE      a scene.json                                 -> used where it lies
 # SET      run settings that win over the scene's: SET="screening.tau=0.6 time.frames=20"
 # SCENE_AGENT  who proposes inventory and plan: builtin, the URL of a chat server (with MODEL), or replay:DIR  -> pm-ground --agent
@@ -50,8 +50,8 @@ define newline
 
 
 endef
-REQUEST := $(foreach v,EXAMPLE GAUSSIANS PROMPT UP INVENTORY MASKS VIEWS CAMERAS SPEC PHYSGAUSSIAN OPACITY CROP DROP AZIMUTH \
-  ELEVATION,$(v)=$(value $(v))$(newline))
+REQUEST := $(foreach v,EXAMPLE GAUSSIANS PROMPT UP INVENTORY MASKS VIEWS CAMERAS DATAPARSER SPEC PHYSGAUSSIAN OPACITY CROP DROP \
+  AZIMUTH ELEVATION,$(v)=$(value $(v))$(newline))
 SETTINGS := $(value SET)
 GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL),$(v)=$(value $(v))$(newline))
 MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))
@@ -87,12 +87,13 @@ $(STAMPS)/bundle: examples/$(EXAMPLE).json $(RUN)/request $(call missing,$(BUNDL
 	@$(BIN)/pm-scene synth $< --out $(BUNDLE) $(tool_threads)
 	$(finish)
 else
-$(STAMPS)/bundle: $(GAUSSIANS) $(INVENTORY) $(SPEC) $(PHYSGAUSSIAN) $(CAMERAS) $(wildcard $(addsuffix /*,$(MASKS) $(VIEWS))) $(RUN)/request \
+$(STAMPS)/bundle: $(GAUSSIANS) $(INVENTORY) $(SPEC) $(PHYSGAUSSIAN) $(CAMERAS) $(filter-out none,$(DATAPARSER)) $(wildcard $(addsuffix /*,$(MASKS) $(VIEWS))) $(RUN)/request \
                   $(call missing,$(BUNDLE)/scene.json) | $(BIN)/pm-scene
 	$(call stage,import,$(BUNDLE))
 	@$(BIN)/pm-scene import "$(GAUSSIANS)" --prompt "$$PM_PROMPT" --out $(BUNDLE) \
 	  $(if $(UP),--up=$(UP)) $(if $(INVENTORY),--inventory $(INVENTORY)) $(if $(MASKS),--masks $(MASKS)) \
-	  $(if $(VIEWS),--views $(VIEWS)) $(if $(CAMERAS),--cameras $(CAMERAS)) $(if $(SPEC),--run $(SPEC)) \
+	  $(if $(VIEWS),--views $(VIEWS)) $(if $(CAMERAS),--cameras $(CAMERAS)) \
+	  $(if $(DATAPARSER),--dataparser-transforms $(DATAPARSER)) $(if $(SPEC),--run $(SPEC)) \
 	  $(if $(PHYSGAUSSIAN),--physgaussian $(PHYSGAUSSIAN)) $(if $(OPACITY),--opacity-threshold $(OPACITY)) \
 	  $(if $(CROP),--crop $(CROP)) $(if $(DROP),--drop $(DROP)) $(if $(AZIMUTH),--azimuth $(AZIMUTH)) $(if $(ELEVATION),--elevation $(ELEVATION)) $(tool_threads)
 	$(finish)

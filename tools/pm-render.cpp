@@ -20,6 +20,7 @@
 #include "splat/deformed_gaussians.h"
 #include "splat/depth_picture.h"
 #include "splat/foreground.h"
+#include "splat/frame_files.h"
 #include "splat/image_io.h"
 #include "splat/renderer.h"
 #include "splat/row_colors.h"
@@ -114,10 +115,6 @@ class RowVideo {
   splat::VideoWriter video_;
 };
 
-std::string frame_file(const std::string& folder, const char* name, int frame, const char* extension) {
-  return (fs::path(folder) / fmt::format("{}_{:04d}.{}", name, frame, extension)).string();
-}
-
 int render(const Options& options) {
   const Stopwatch total;
   SceneNeeds needs;
@@ -164,6 +161,8 @@ int render(const Options& options) {
     if (!options.depth.empty()) record.depth_unit = splat::depth_unit(scene.output_cameras, state.map);
   }
   render_options.depth = record.depth_unit > 0;
+  const splat::FrameFiles png = {options.png, "frame", "png"}, depth = {options.depth, "depth", "png"},
+                          ply = {options.ply, "frame", "ply"};
   ContactSheet sheet(wanted.size());
   Progress progress("frame", static_cast<long>(wanted.size()));
   double render_seconds = 0, encode_seconds = 0, export_seconds = 0;
@@ -190,15 +189,15 @@ int render(const Options& options) {
     encode_seconds += encode_watch.seconds();
     const Stopwatch export_watch;
     if (row_video) row_video->add(camera, transported.deformation());
-    if (!options.png.empty()) splat::save_png(frame_file(options.png, "frame", t, "png"), quantized);
-    if (!options.depth.empty())
-      splat::save_depth_png(frame_file(options.depth, "depth", t, "png"), image, record.depth_unit);
-    if (!options.ply.empty()) {
-      save_gaussians_ply(frame_file(options.ply, "frame", t, "ply"),
-                         splat::deformed_gaussians(gaussians, transported.deformation()));
-    }
+    if (png.wanted()) splat::save_png(png.path(t), quantized);
+    if (depth.wanted()) splat::save_depth_png(depth.path(t), image, record.depth_unit);
+    if (ply.wanted()) save_gaussians_ply(ply.path(t), splat::deformed_gaussians(gaussians, transported.deformation()));
     export_seconds += export_watch.seconds();
     progress.update(static_cast<long>(i) + 1);
+  }
+  // Pictures of an earlier run would belong to another rollout.
+  for (const splat::FrameFiles& files : {png, depth, ply}) {
+    if (files.wanted()) splat::remove_other_frames(files, wanted);
   }
   if (video) {
     video->finish();
@@ -215,7 +214,6 @@ int render(const Options& options) {
     record.frames_written = static_cast<int>(wanted.size());
     record.file_size = static_cast<long>(fs::file_size(video_path));
   } else {
-    // Pictures of an earlier run would belong to another rollout.
     std::error_code ignored;
     for (const std::string& old : {video_path, options.sheet, options.labels}) {
       if (!old.empty()) fs::remove(old, ignored);

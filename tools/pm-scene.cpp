@@ -36,7 +36,9 @@ int main(int argc, char** argv) {
         ->required();
     import_command->add_option("--prompt", import.prompt, "What shall happen")->required();
     import_command->add_option("--out", folder, "Folder of the bundle")->required();
-    import_command->add_option("--up", import.up, "Scene axis that points up; -y, or y for .spz, when absent")
+    import_command
+        ->add_option("--up", import.up,
+                     "Scene axis that points up; when absent z in nerfstudio's frame, y for .spz, -y else")
         ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
     import_command
         ->add_option("--opacity-threshold", import.selection.opacity_threshold,
@@ -51,6 +53,11 @@ int main(int argc, char** argv) {
                      "a COLMAP model's folder")
         ->needs(views);
     views->needs("--cameras");
+    import_command
+        ->add_option("--dataparser-transforms", import.dataparser,
+                     "nerfstudio's dataparser_transforms.json for --cameras, or none; the one beside FILE or the "
+                     "cameras when absent")
+        ->needs("--cameras");
     import_command->add_option("--inventory", import.inventory, "Authored inventory");
     import_command->add_option("--masks", import.masks, "Authored masks: VIEW/OBJECT.png, VIEW/OBJECT/PART.png");
     import_command->add_option("--run", import.run, "Run specification; what it leaves out has its default");

@@ -46,7 +46,9 @@ std::string read_file(const std::string& path, size_t limit) {
   std::string bytes;
   // Growing piece by piece would need twice the memory for a moment.
   if (S_ISREG(info.st_mode)) bytes.reserve(std::min(static_cast<size_t>(info.st_size), limit));
-  std::string buffer(1 << 20, '\0');
+  // A small file does not pay for a large buffer.
+  const size_t usual = size_t{1} << 20;
+  std::string buffer(S_ISREG(info.st_mode) ? std::min(static_cast<size_t>(info.st_size) + 1, usual) : usual, '\0');
   size_t n;
   while ((n = std::fread(&buffer[0], 1, buffer.size(), file.get())) > 0) {
     if (bytes.size() + n > limit) {

@@ -157,18 +157,22 @@ Array parse_npy(const std::string& bytes, const std::string& file, const std::st
 }
 
 std::map<std::string, Array> load_arrays(const std::string& path, const std::vector<std::string>& names) {
-  std::string bytes = read_file(path, kMaxFile);
+  return parse_arrays(read_file(path, kMaxFile), path, names);
+}
+
+std::map<std::string, Array> parse_arrays(std::string bytes, const std::string& file,
+                                          const std::vector<std::string>& names) {
   std::map<std::string, Array> arrays;
   if (bytes.compare(0, 2, "PK") == 0) {
-    const ZipFile zip(std::move(bytes), path);
-    for (const std::string& name : names) arrays[name] = parse_npy(zip.read(name + ".npy"), path, name);
+    const ZipFile zip(std::move(bytes), file);
+    for (const std::string& name : names) arrays[name] = parse_npy(zip.read(name + ".npy"), file, name);
     return arrays;
   }
-  const Json document = parse_json(bytes, path);
+  const Json document = parse_json(bytes, file);
   for (const std::string& name : names) {
     if (!document.is_object() || !document.contains(name) || !document.at(name).is_array())
-      throw invalid_input({path, "/" + name, "none", "nested lists of numbers"});
-    flatten(document.at(name), 0, arrays[name], path, "/" + name);
+      throw invalid_input({file, "/" + name, "none", "nested lists of numbers"});
+    flatten(document.at(name), 0, arrays[name], file, "/" + name);
   }
   return arrays;
 }

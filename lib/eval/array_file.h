@@ -21,6 +21,9 @@ Array parse_npy(const std::string& bytes, const std::string& file, const std::st
 // NaN). Which it is decides the content, not the name. Errors (exit code 3): a name that is missing, lists of uneven
 // length.
 std::map<std::string, Array> load_arrays(const std::string& path, const std::vector<std::string>& names);
+// The same from the file's bytes; `file` is only named in messages.
+std::map<std::string, Array> parse_arrays(std::string bytes, const std::string& file,
+                                          const std::vector<std::string>& names);
 
 // "[1, 50, 256, 2]", for messages.
 std::string shape_text(const std::vector<size_t>& shape);

@@ -22,8 +22,7 @@ class Reader {
  public:
   Reader(const std::string& path, const std::vector<SceneView>& views) : path_(path), views_(views) {}
 
-  std::vector<NamedMask> read() {
-    const Json document = parse_json(read_file(path_), path_);
+  std::vector<NamedMask> read(const Json& document) {
     if (!document.is_object() || !document.contains("annotations") || !document.at("annotations").is_array())
       throw invalid_field(path_, "/annotations", Json(), "a list of annotations (COCO)");
     read_names(document, "categories", "name", categories_);
@@ -202,7 +201,11 @@ std::vector<uint32_t> runs_from_text(const std::string& text) {
 }
 
 std::vector<NamedMask> load_coco(const std::string& path, const std::vector<SceneView>& views) {
-  return Reader(path, views).read();
+  return coco_from(parse_json(read_file(path), path), path, views);
+}
+
+std::vector<NamedMask> coco_from(const Json& document, const std::string& file, const std::vector<SceneView>& views) {
+  return Reader(file, views).read(document);
 }
 
 }  // namespace physmas::ground

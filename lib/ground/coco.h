@@ -25,6 +25,9 @@ struct NamedMask {
 // camera, runs that do not fill it, more than 4096 annotations.
 std::vector<NamedMask> load_coco(const std::string& path, const std::vector<SceneView>& views);
 
+// The same from a parsed file; `file` is its path.
+std::vector<NamedMask> coco_from(const Json& document, const std::string& file, const std::vector<SceneView>& views);
+
 // Runs of pixels outside and inside in turn, by columns: COCO's text form (LEB128 of six bits, differences to the run
 // before the last from the third on; pycocotools, maskApi.c). An invalid text gives an empty list.
 std::vector<uint32_t> runs_from_text(const std::string& text);

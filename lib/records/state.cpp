@@ -4,12 +4,14 @@
 
 #include <algorithm>
 
+#include "base/error.h"
 #include "records/hdf5_file.h"
 
 namespace physmas {
 namespace {
 
 constexpr uint64_t kMaxParticles = 20000000;
+constexpr double kMaxCells = 4096;  // per axis
 
 void check_indices(const Hdf5Reader& file, const char* dataset, const std::vector<int32_t>& values, int32_t limit) {
   for (size_t i = 0; i < values.size(); ++i) {
@@ -18,6 +20,23 @@ void check_indices(const Hdf5Reader& file, const char* dataset, const std::vecto
                          fmt::format("an index in 0..{}", limit - 1));
     }
   }
+}
+
+// A list in a text attribute of the root.
+Json list_attribute(const Hdf5Reader& file, const char* name) {
+  const Json list = parse_json(file.read_text_attribute("/", name), file.path());
+  if (!list.is_array()) throw file.invalid(std::string("/@") + name, one_line(list.dump(), 80), "a list");
+  return list;
+}
+
+std::string text_of(const Hdf5Reader& file, const char* where, const Json& json) {
+  if (!json.is_string()) throw file.invalid(where, one_line(json.dump(), 80), "text");
+  return json.get<std::string>();
+}
+
+// Of the entry's field; none when the entry is no object or lacks it.
+std::string text_of(const Hdf5Reader& file, const char* where, const Json& entry, const char* field) {
+  return text_of(file, where, entry.is_object() && entry.contains(field) ? entry.at(field) : Json());
 }
 
 }  // namespace
@@ -31,13 +50,13 @@ std::vector<long> State::gaussians_per_row() const {
 State load_state(const std::string& path, const Inventory* inventory) {
   const Hdf5Reader file(path, "state");
   State state;
-  const Json keys = parse_json(file.read_text_attribute("/", "rows"), path);
-  for (const Json& key : keys) state.row_keys.push_back(key.get<std::string>());
+  const Json keys = list_attribute(file, "rows");
+  for (const Json& key : keys) state.row_keys.push_back(text_of(file, "/@rows", key));
   if (inventory != nullptr) {
     std::vector<std::string> expected;
     for (const InventoryRow& row : inventory->rows) expected.push_back(row.key());
     if (expected != state.row_keys) {
-      throw file.invalid("/@rows", keys.dump().substr(0, 80),
+      throw file.invalid("/@rows", one_line(keys.dump(), 80),
                          "the rows of the inventory; make the state again with pm-lift");
     }
   }
@@ -60,7 +79,9 @@ State load_state(const std::string& path, const Inventory* inventory) {
   const std::vector<double> d = file.read_attribute("/map", "d", 3);
   state.map.d = {d[0], d[1], d[2]};
   state.map.length = file.read_attribute("/map", "L", 1)[0];
-  state.map.n = static_cast<int>(file.read_attribute("/map", "n", 1)[0]);
+  const double cells = file.read_attribute("/map", "n", 1)[0];
+  if (!(cells >= 1 && cells <= kMaxCells)) throw file.invalid("/map/@n", fmt::format("{}", cells), "1 to 4096 cells");
+  state.map.n = static_cast<int>(cells);
   if (!(state.map.s > 0)) throw file.invalid("/map/@s", fmt::format("{}", state.map.s), "a positive scale");
   if (!(state.map.length > 0)) throw file.invalid("/map/@L", fmt::format("{}", state.map.length), "a positive length");
   check_indices(file, "/gaussians/row", state.gaussian_row, rows);
@@ -84,9 +105,8 @@ State load_state(const std::string& path, const Inventory* inventory) {
                          "the Gaussians first, in file order");
     }
   }
-  for (const Json& entry : parse_json(file.read_text_attribute("/", "omitted"), path)) {
-    state.omitted.push_back({entry.at("what").get<std::string>(), entry.at("why").get<std::string>()});
-  }
+  for (const Json& entry : list_attribute(file, "omitted"))
+    state.omitted.push_back({text_of(file, "/@omitted", entry, "what"), text_of(file, "/@omitted", entry, "why")});
   return state;
 }
 

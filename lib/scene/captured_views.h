@@ -8,12 +8,14 @@
 
 #include "records/json.h"
 #include "scene/camera.h"
+#include "scene/distortion.h"
 
 namespace physmas {
 
 struct CapturedView {
   std::string image;  // as the file names it: relative, perhaps without extension
-  Camera camera;      // scene units
+  Camera camera;      // scene units; what a pinhole would see
+  Distortion distortion = {};
 };
 
 // Width and height of the image of that name, for files that do not tell.
@@ -21,8 +23,8 @@ using ImageSize = std::function<std::pair<int, int>(const std::string& image)>;
 
 // The views of FILE in its order: `transforms.json` (nerfstudio, instant-ngp, Blender), `cameras.json` (Kerbl et al.
 // 2023), or a COLMAP model (its folder, or its cameras.txt, cameras.bin, images.txt or images.bin). Told apart by what
-// is in them. At least one view; every camera is a rigid pinhole. Errors (exit code 3) name the file, the field or
-// line, and, for lenses with distortion, how to undistort.
+// is in them. At least one view; every camera is rigid, and its lens perspective. Errors (exit code 3) name the file,
+// the field or line, and, for fisheyes and other lenses, how to undistort.
 std::vector<CapturedView> load_captured_views(const std::string& path, const ImageSize& image_size);
 
 // The files that load_captured_views reads for `path`: itself, or the two of a COLMAP model.
@@ -35,15 +37,15 @@ std::vector<CapturedView> captured_views_from(const Json& document, const std::s
 
 // One reader per kind.
 // transforms.json: camera-to-world matrices with OpenGL axes; w, h, fl_x, fl_y, cx, cy, k1.. for all or per frame;
-// focal lengths from camera_angle_x, camera_angle_y when absent; applied_transform (3 x 4) is undone, so that cameras
-// stand where the capture had them.
+// focal lengths from camera_angle_x, camera_angle_y when absent; applied_transform (3 x 4) and applied_scale are
+// undone, so that cameras stand where the capture had them.
 std::vector<CapturedView> views_from_transforms(const Json& document, const std::string& file,
                                                 const ImageSize& image_size);
 // cameras.json: position and camera-to-world rotation with OpenCV axes, fx, fy, width, height; principal point in the
 // middle.
 std::vector<CapturedView> views_from_splatting(const Json& document, const std::string& file);
-// COLMAP, from the bytes of its cameras and images files (text, or binary). Only images whose camera is a pinhole, or
-// has a distortion of zero.
+// COLMAP, from the bytes of its cameras and images files (text, or binary). Pinholes and radial or tangential
+// distortion; no fisheyes.
 struct ColmapFiles {
   std::string cameras_path, images_path;  // for messages
   std::string cameras, images;            // bytes

@@ -16,7 +16,7 @@ constexpr int kMaxSize = 32768;  // pixels of an image's edge
 constexpr size_t kMaxNameBytes = 4096;
 
 // COLMAP's camera models (colmap/sensor/models.h). Parameters start with the focal lengths and the principal point;
-// whatever follows is distortion. `perspective`: without distortion the model is a pinhole.
+// whatever follows is distortion, of perspective models k1, or k1 k2, or k1 k2 p1 p2, or that and k3 k4 k5 k6.
 struct Model {
   const char* name;
   int id, focal_lengths, parameters;
@@ -37,23 +37,28 @@ constexpr Model kModels[] = {
 };
 constexpr const char* kUndistort = "run colmap image_undistorter and import the images and the model that it writes";
 
-// Intrinsics of a camera, its pose left open. where: line or byte, for messages.
-Camera lens_from(const Model& model, double width, double height, const std::vector<double>& p, const std::string& file,
-                 const std::string& where) {
+struct Lens {
+  Camera camera;  // its pose left open
+  Distortion distortion;
+};
+
+// parameters: p. where: line or byte, for messages.
+Lens lens_from(const Model& model, double width, double height, const std::vector<double>& p, const std::string& file,
+               const std::string& where) {
   const auto refuse = [&](const std::string& found, const std::string& expected, const std::string& fix = "") {
     return invalid_input({file, where, found, expected, fix});
   };
-  if (!model.perspective) throw refuse(std::string("the camera model ") + model.name, "a pinhole camera", kUndistort);
+  if (!model.perspective) throw refuse(std::string("the camera model ") + model.name, "a perspective lens", kUndistort);
   if (!(width >= 1 && width <= kMaxSize && height >= 1 && height <= kMaxSize)) {
     throw refuse(fmt::format("{} x {} pixels", width, height), fmt::format("1 to {} pixels", kMaxSize));
   }
   for (double value : p) {
     if (!std::isfinite(value)) throw refuse("a parameter that is not finite", "numbers");
   }
-  for (size_t k = model.focal_lengths + 2; k < p.size(); ++k) {
-    if (p[k] == 0) continue;
-    throw refuse(fmt::format("the camera model {} with distortion", model.name), "a lens without distortion",
-                 kUndistort);
+  const size_t first = model.focal_lengths + 2;  // of the distortion
+  const auto distortion = [&](size_t k) { return first + k < p.size() ? p[first + k] : 0; };
+  for (size_t k = 5; k < 8; ++k) {
+    if (distortion(k) != 0) throw refuse(fmt::format("{} with k{}", model.name, k - 1), "k4 to k6 of 0", kUndistort);
   }
   Camera camera;
   camera.width = static_cast<int>(width);
@@ -63,10 +68,12 @@ Camera lens_from(const Model& model, double width, double height, const std::vec
   camera.cx = p[model.focal_lengths];
   camera.cy = p[model.focal_lengths + 1];
   if (!(camera.fx > 0 && camera.fy > 0)) throw refuse("a focal length of 0 or below", "one above 0");
-  return camera;
+  const Distortion found = {distortion(0), distortion(1), distortion(4), distortion(2), distortion(3)};
+  require_unfolded(found, camera, file, where);
+  return {camera, found};
 }
 
-using Lenses = std::map<uint32_t, Camera>;
+using Lenses = std::map<uint32_t, Lens>;
 
 // q: w, x, y, z and t of the world-to-camera pose.
 CapturedView view_from(const double* q, const double* t, uint32_t camera_id, const std::string& name,
@@ -84,7 +91,8 @@ CapturedView view_from(const double* q, const double* t, uint32_t camera_id, con
   view.image = name;
   view.camera = camera_at_pose(R.transpose(), -R.transpose() * Eigen::Vector3d(t[0], t[1], t[2]), file, where);
   const Eigen::Matrix4d pose = view.camera.world_to_camera;
-  view.camera = lens->second;
+  view.camera = lens->second.camera;
+  view.distortion = lens->second.distortion;
   view.camera.world_to_camera = pose;
   return view;
 }
@@ -156,7 +164,7 @@ Lenses lenses_of_binary(const std::string& path, const std::string& bytes) {
     }
     std::vector<double> parameters;
     for (int k = 0; k < model->parameters; ++k) parameters.push_back(file.next<double>());
-    const Camera lens =
+    const Lens lens =
         lens_from(*model, static_cast<double>(width), static_cast<double>(height), parameters, path, where);
     if (!lenses.emplace(id, lens).second) {
       throw invalid_input({path, where, fmt::format("camera {} twice", id), "every camera once"});

@@ -47,7 +47,8 @@ void check_values(const std::string& path, const std::string& unit, const Gaussi
     for (int a = 0; a < 3; ++a) require(g.position[i][a], kAxis[a], -1);
     for (int a = 0; a < 3; ++a) require(g.log_scale[i][a], "scale", a);
     for (int a = 0; a < 4; ++a) require(g.rotation[i][a], "rot", a);
-    require(g.opacity_logit[i], "opacity", -1);
+    // Infinite where a converter took the logarithm of an opacity of 0 or 1, which is what it means.
+    if (!std::isinf(g.opacity_logit[i])) require(g.opacity_logit[i], "opacity", -1);
     const Eigen::Vector3f* sh = g.sh_of(i);
     for (int c = 0; c < 3; ++c) require(sh[0][c], "f_dc", c);
     for (int c = 0; c < 3; ++c) {

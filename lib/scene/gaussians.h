@@ -22,7 +22,7 @@ struct Gaussians {
   std::vector<Eigen::Vector3f> position;       // [N] mean, scene units
   std::vector<Eigen::Vector3f> log_scale;      // [N] natural logarithm of the standard deviation per axis
   std::vector<std::array<float, 4>> rotation;  // [N] quaternion w, x, y, z as stored, not normalised, norm > 0
-  std::vector<float> opacity_logit;            // [N] opacity = 1 / (1 + exp(-logit))
+  std::vector<float> opacity_logit;            // [N] opacity = 1 / (1 + exp(-logit)); may be infinite
   // [N * sh_coefficient_count(sh_degree)] colour triples; Gaussian i owns the block that starts at i * count.
   // Coefficient 0 is the constant term: colour = 0.5 + 0.28209479 * sh at degree 0.
   std::vector<Eigen::Vector3f> sh;

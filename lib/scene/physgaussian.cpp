@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "records/labels.h"
 #include "scene/foreign_json.h"
+#include "scene/physgaussian_boundaries.h"
 #include "scene/run_specification.h"
 
 namespace physmas {
@@ -18,7 +19,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kRadians = 3.14159265358979323846 / 180;
-constexpr double kForever = 100;            // seconds; PhysGaussian's "no end" is 1000
 const Vector3d kCenter = Vector3d::Ones();  // where PhysGaussian puts the middle of the scene
 
 // The axis name of a vector along an axis; empty for others.
@@ -67,8 +67,6 @@ class Configuration {
   double number(const char* key, double absent) { return take(key) ? config_.number(key) : absent; }
   double positive(const char* key, double absent) { return take(key) ? config_.positive(key) : absent; }
   void omit(const std::string& pointer, const std::string& why) { result_.not_mapped.push_back({pointer, why}); }
-  Vector3d point(const Vector3d& p) const { return kCenter + turned_.transpose() * (p - kCenter); }
-  Vector3d direction(const Vector3d& v) const { return turned_.transpose() * v; }
 
   // Scene to solver axes, and which scene axis is up.
   void read_axes() {
@@ -83,14 +81,14 @@ class Configuration {
       turned = Eigen::AngleAxisd(degrees[i] * kRadians, Vector3d::Unit(static_cast<int>(axes[i]))) * turned;
     }
     const Matrix3d rounded = turned.array().round();
-    quarter_turns_ = (turned - rounded).cwiseAbs().maxCoeff() < 1e-9;
-    if (quarter_turns_)
-      turned_ = rounded;
+    frame_.quarter_turns = (turned - rounded).cwiseAbs().maxCoeff() < 1e-9;
+    if (frame_.quarter_turns)
+      frame_.turned = rounded;
     else
       omit("/rotation_degree", "only quarter turns can be undone; rotate the Gaussians before importing them");
     const Vector3d up = take("mpm_space_vertical_upward_axis") ? config_.vector("mpm_space_vertical_upward_axis")
                                                                : Vector3d(Vector3d::UnitZ());
-    result_.up = axis_name(direction(up));
+    result_.up = axis_name(frame_.direction(up));
     if (result_.up.empty()) {
       omit("/mpm_space_vertical_upward_axis", "not along an axis of the scene; up is taken as z");
       result_.up = "z";
@@ -105,6 +103,7 @@ class Configuration {
     const double dt = positive("substep_dt", 1e-4), frame_dt = positive("frame_dt", 1e-2);
     const double frames = number("frame_num", 100);
     if (!(frames >= 1 && frames < 10000)) throw config_.error("frame_num", "1 to 9999 frames");
+    frame_.duration = frames * frame_dt;
     const double least = std::min(5e-5, dt);
     // PhysGaussian's frames do not count the rest frame.
     result_.run["time"] = {
@@ -145,7 +144,7 @@ class Configuration {
     if (g.size() == 1) {
       result_.run["gravity"] = -std::abs(g[0]);
     } else {
-      result_.run["gravity"] = to_json(direction(config_.vector("g")));
+      result_.run["gravity"] = to_json(frame_.direction(config_.vector("g")));
     }
   }
 
@@ -157,10 +156,10 @@ class Configuration {
     for (int axis = 0; axis < 3; ++axis) {
       if (!(area[2 * axis] < area[2 * axis + 1])) throw config_.error("sim_area", "lower ends below upper ends");
     }
-    if (!quarter_turns_) return omit("/sim_area", "the rotation is not mapped; use --crop");
+    if (!frame_.quarter_turns) return omit("/sim_area", "the rotation is not mapped; use --crop");
     Eigen::AlignedBox3d box;
-    box.extend(turned_.transpose() * Vector3d(area[0], area[2], area[4]));
-    box.extend(turned_.transpose() * Vector3d(area[1], area[3], area[5]));
+    box.extend(frame_.turned.transpose() * Vector3d(area[0], area[2], area[4]));
+    box.extend(frame_.turned.transpose() * Vector3d(area[1], area[3], area[5]));
     result_.selection.crop = box;
     omit("/sim_area", "taken as a crop: Gaussians outside it are not drawn either");
   }
@@ -186,61 +185,10 @@ class Configuration {
   }
 
   void read_boundaries() {
-    Json& colliders = result_.run["colliders"] = Json::array();
-    if (!take("boundary_conditions")) return;
-    const Json& list = config_.json().at("boundary_conditions");
-    if (!list.is_array()) throw config_.error("boundary_conditions", "a list");
-    for (size_t i = 0; i < list.size(); ++i) {
-      const ForeignObject boundary(list[i], config_.file(), fmt::format("/boundary_conditions/{}", i));
-      const std::string type = boundary.text("type"), pointer = boundary.where("");
-      const std::string where = pointer.substr(0, pointer.size() - 1) + " (" + one_line(type, 40) + ")";
-      const bool timed = boundary.number("start_time", 0) > 0 || boundary.number("end_time", 1e3) < kForever;
-      if (type == "bounding_box") continue;  // our walls are always there
-      if (!quarter_turns_) {
-        omit(where, "the rotation is not mapped");
-      } else if (type == "surface_collider") {
-        if (timed) {
-          omit(where, "colliders stay for the whole run");
-        } else {
-          colliders.push_back(plane_from(boundary));
-        }
-      } else if (type == "cuboid") {
-        if (timed || boundary.vector("velocity").norm() != 0) {
-          omit(where, "a moving or timed cuboid; describe the motion in the prompt");
-        } else {
-          colliders.push_back(box_from(boundary));
-        }
-      } else {
-        omit(where, "particles are moved by the plan's actions; describe the motion in the prompt");
-      }
-    }
-  }
-
-  Json plane_from(const ForeignObject& boundary) const {
-    const std::string surface = boundary.text("surface");
-    if (surface != "sticky" && surface != "slip" && surface != "separate") {
-      throw boundary.error("surface", "sticky, slip or separate");
-    }
-    const Vector3d normal = direction(boundary.vector("normal"));
-    if (!(normal.norm() > 1e-9)) throw boundary.error("normal", "a vector that is not zero");
-    return {{"type", "plane"},
-            {"point", to_json(point(boundary.vector("point")))},
-            {"normal", to_json(Vector3d(normal.normalized()))},
-            {"mode", surface},
-            {"friction", std::max(0.0, boundary.number("friction", 0))}};
-  }
-
-  // size: half the edges.
-  Json box_from(const ForeignObject& boundary) const {
-    const Vector3d middle = boundary.vector("point"), half = boundary.vector("size");
-    if (!(half.array() > 0).all()) throw boundary.error("size", "three numbers above 0");
-    Eigen::AlignedBox3d box;
-    box.extend(point(middle - half));
-    box.extend(point(middle + half));
-    return {{"type", "box"},
-            {"min", to_json(Vector3d(box.min()))},
-            {"max", to_json(Vector3d(box.max()))},
-            {"mode", "sticky"}};
+    take("boundary_conditions");
+    PhysGaussianBoundaries boundaries = physgaussian_boundaries(config_, frame_);
+    result_.run["colliders"] = std::move(boundaries.colliders);
+    for (Omission& boundary : boundaries.not_mapped) result_.not_mapped.push_back(std::move(boundary));
   }
 
   void name_the_rest() {
@@ -274,8 +222,7 @@ class Configuration {
   ForeignObject config_;
   PhysGaussianImport result_;
   std::set<std::string> taken_;
-  Matrix3d turned_ = Matrix3d::Identity();  // scene to PhysGaussian's axes
-  bool quarter_turns_ = true;
+  PhysGaussianFrame frame_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstring>
 
@@ -32,13 +33,27 @@ int sh_degree_of(const PlyFile& file, const PlyElement& vertex) {
   throw invalid_input({file.path(), "element vertex", fmt::format("{} f_rest_* properties", count), "0, 9, 24 or 45"});
 }
 
+// Names of the three base colours: harmonics, or 8-bit sRGB (nerfstudio's `--ply-color-mode rgb`).
+std::array<const char*, 3> color_names(const PlyElement& vertex) {
+  const std::array<const char*, 3> levels = {"red", "green", "blue"};
+  const bool has_levels = std::all_of(levels.begin(), levels.end(), [&](const char* name) {
+    const int index = vertex.find(name);
+    return index >= 0 && vertex.properties[index].type == PlyType::uint8;
+  });
+  if (vertex.find("f_dc_0") < 0 && has_levels) return levels;
+  return {"f_dc_0", "f_dc_1", "f_dc_2"};
+}
+
 }  // namespace
 
 Gaussians read_standard_ply(const PlyFile& file) {
   const PlyElement* vertex = file.find("vertex");
   if (vertex == nullptr) throw invalid_input({file.path(), "header", "no element vertex", "one row per Gaussian"});
   std::vector<std::string> names = {"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"};
-  names.insert(names.end(), {"opacity", "f_dc_0", "f_dc_1", "f_dc_2"});
+  const std::array<const char*, 3> colors = color_names(*vertex);
+  const bool levels = std::string(colors[0]) == "red";
+  names.push_back("opacity");
+  names.insert(names.end(), colors.begin(), colors.end());
   const int degree = sh_degree_of(file, *vertex);
   const int rest = sh_coefficient_count(degree) - 1;  // per channel
   for (int i = 0; i < 3 * rest; ++i) names.push_back(fmt::format("f_rest_{}", i));
@@ -60,7 +75,7 @@ Gaussians read_standard_ply(const PlyFile& file) {
     g.rotation[i] = {at(6), at(7), at(8), at(9)};
     g.opacity_logit[i] = at(10);
     Eigen::Vector3f* sh = &g.sh[i * (rest + 1)];
-    sh[0] = {at(11), at(12), at(13)};
+    for (int c = 0; c < 3; ++c) sh[0][c] = levels ? sh_of_color(v[11 + c] / 255) : at(11 + c);
     for (int k = 0; k < rest; ++k) sh[k + 1] = {at(14 + k), at(14 + rest + k), at(14 + 2 * rest + k)};
   });
   return g;

@@ -27,7 +27,7 @@ class Lens {
   const ForeignObject& all_;
 };
 
-void require_pinhole(const Lens& lens) {
+void require_perspective(const Lens& lens) {
   if (lens.has("camera_model")) {
     const ForeignObject& owner = lens.owner("camera_model");
     const std::string model = owner.text("camera_model");
@@ -40,8 +40,9 @@ void require_pinhole(const Lens& lens) {
   if (lens.has("is_fisheye") && lens.owner("is_fisheye").json().at("is_fisheye") == true) {
     throw lens.owner("is_fisheye").error("is_fisheye", "a perspective lens", kUndistort);
   }
-  for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"}) {
-    if (lens.number(key, 0) != 0) throw lens.owner(key).error(key, "0, a lens without distortion", kUndistort);
+  // nerfstudio's k4 belongs to r^8, OpenCV's is a denominator.
+  for (const char* key : {"k4", "k5", "k6"}) {
+    if (lens.number(key, 0) != 0) throw lens.owner(key).error(key, "0", kUndistort);
   }
 }
 
@@ -66,6 +67,11 @@ Eigen::Matrix4d undo(const ForeignObject& all) {
   return applied.inverse();
 }
 
+// The factor that was applied to all positions after that.
+double applied_scale(const ForeignObject& all) {
+  return all.has("applied_scale") ? all.positive("applied_scale") : 1;
+}
+
 }  // namespace
 
 std::vector<CapturedView> views_from_transforms(const Json& document, const std::string& file,
@@ -74,13 +80,15 @@ std::vector<CapturedView> views_from_transforms(const Json& document, const std:
   const Json& frames = document.at("frames");
   if (!frames.is_array() || frames.empty()) throw all.error("frames", "a list with at least one frame");
   const Eigen::Matrix4d undone = undo(all);
+  const double scale = applied_scale(all);
   std::vector<CapturedView> views;
   for (size_t i = 0; i < frames.size(); ++i) {
     const ForeignObject frame(frames[i], file, fmt::format("/frames/{}", i));
     const Lens lens(frame, all);
-    require_pinhole(lens);
+    require_perspective(lens);
     Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
     pose.topRows<3>() = frame.matrix("transform_matrix", 3, 4);
+    pose.topRightCorner<3, 1>() /= scale;
     pose = undone * pose;
     Eigen::Matrix3d axes = pose.topLeftCorner<3, 3>();
     axes.rightCols<2>() *= -1;  // OpenGL looks along -z with y up
@@ -101,6 +109,9 @@ std::vector<CapturedView> views_from_transforms(const Json& document, const std:
     if (camera.fy == 0) camera.fy = camera.fx;
     camera.cx = lens.number("cx", 0.5 * camera.width);
     camera.cy = lens.number("cy", 0.5 * camera.height);
+    view.distortion = {lens.number("k1", 0), lens.number("k2", 0), lens.number("k3", 0), lens.number("p1", 0),
+                       lens.number("p2", 0)};
+    require_unfolded(view.distortion, camera, file, lens.owner("k1").where("k1"));
     views.push_back(std::move(view));
   }
   return views;

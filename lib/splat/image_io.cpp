@@ -1,6 +1,7 @@
 #include "splat/image_io.h"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -72,17 +73,28 @@ std::string fitting(const std::string& caption, int width) {
   return text;
 }
 
-// Walks the chunks of a PNG: libpng would print its own line about a file that is cut off, and OpenCV would try to
-// allocate whatever size the header claims.
+// Big-endian.
+uint32_t number(const std::string& bytes, size_t at, int count) {
+  uint32_t value = 0;
+  for (int i = 0; i < count; ++i) value = value << 8 | static_cast<uint8_t>(bytes[at + i]);
+  return value;
+}
+
+// OpenCV would allocate whatever size the header claims. most: what `bytes` bytes of data can hold.
+void check_size(const std::string& path, const char* field, uint64_t width, uint64_t height, uint64_t most) {
+  if (width == 0 || height == 0 || width > kMaxPixels || height > kMaxPixels / width)
+    throw invalid_input({path, field, fmt::format("{} x {} pixels", width, height), "1 to 2^28 pixels"});
+  if (width * height > most)
+    throw invalid_input({path, field, fmt::format("{} x {} pixels", width, height),
+                         fmt::format("at most {}, which the data can hold", most), "the file is cut off"});
+}
+
+// Walks the chunks of a PNG: libpng would print its own line about a file that is cut off or damaged.
 void check_png(const std::string& path, const std::string& bytes) {
-  const auto number = [&](size_t at) {
-    uint32_t value = 0;
-    for (size_t i = at; i < at + 4; ++i) value = value << 8 | static_cast<uint8_t>(bytes[i]);
-    return value;
-  };
-  size_t at = 8;  // after the signature
+  constexpr uint64_t kPixelsPerByte = 1032 * 8;  // the ratio of deflate, one bit per pixel
+  size_t at = 8;                                 // after the signature
   for (std::string type; type != "IEND";) {
-    const size_t length = at + 12 <= bytes.size() ? number(at) : bytes.size();
+    const size_t length = at + 12 <= bytes.size() ? number(bytes, at, 4) : bytes.size();
     if (length > bytes.size() - at || bytes.size() - at - length < 12) {
       throw invalid_input(
           {path, fmt::format("byte {}", at), "the end of the file", "a whole PNG chunk", "the file is cut off"});
@@ -90,13 +102,39 @@ void check_png(const std::string& path, const std::string& bytes) {
     type = bytes.substr(at + 4, 4);
     if (at == 8) {
       if (type != "IHDR" || length != 13) throw invalid_input({path, "byte 8", "another chunk", "IHDR of 13 bytes"});
-      const uint64_t width = number(at + 8), height = number(at + 12);
-      if (width == 0 || height == 0 || width > kMaxPixels || height > kMaxPixels / width) {
-        throw invalid_input({path, "IHDR", fmt::format("{} x {} pixels", width, height), "1 to 2^28 pixels"});
-      }
+      check_size(path, "IHDR", number(bytes, at + 8, 4), number(bytes, at + 12, 4), kPixelsPerByte * bytes.size());
     }
+    const uLong sum = crc32(0, reinterpret_cast<const Bytef*>(&bytes[at + 4]), static_cast<uInt>(length + 4));
+    if (sum != number(bytes, at + 8 + length, 4))
+      throw invalid_input(
+          {path, fmt::format("byte {}", at), "damaged data", "a PNG chunk with the sum that it states"});
     at += 12 + length;
   }
+}
+
+// Walks the segments of a JPEG up to the frame header, which holds the size.
+void check_jpeg(const std::string& path, const std::string& bytes) {
+  constexpr uint64_t kPixelsPerByte = 8 * 16 * 64;  // a bit per block of 8 x 8, of a component at a quarter of the size
+  for (size_t at = 2; at + 9 <= bytes.size();) {
+    if (number(bytes, at, 1) != 0xff) break;
+    const uint32_t marker = number(bytes, at + 1, 1);
+    if (marker == 0xff) {
+      ++at;
+      continue;
+    }
+    const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+    if (frame) {
+      check_size(path, "frame header", number(bytes, at + 7, 2), number(bytes, at + 5, 2),
+                 kPixelsPerByte * bytes.size());
+      // OpenCV would take what is there and leave the rest grey.
+      if (bytes.find("\xff\xd9", at) == std::string::npos)
+        throw invalid_input({path, "", "no end of image", "a whole JPEG image", "the file is cut off"});
+      return;
+    }
+    const bool alone = marker <= 0x01 || (marker >= 0xd0 && marker <= 0xd8);
+    at += 2 + (alone ? 0 : number(bytes, at + 2, 2));
+  }
+  throw invalid_input({path, "", "no frame header", "a whole JPEG image"});
 }
 
 }  // namespace
@@ -130,11 +168,14 @@ bool save_png(const std::string& path, const Image& image) {
 }
 
 Image load_image(const std::string& path) {
-  const std::string bytes = read_file(path, kMaxFileBytes);
+  return decode_image(read_file(path, kMaxFileBytes), path);
+}
+
+Image decode_image(const std::string& bytes, const std::string& path) {
   const bool png = bytes.compare(0, 8, "\x89PNG\r\n\x1a\n") == 0;
   const bool jpeg = bytes.compare(0, 3, "\xff\xd8\xff") == 0;
   if (!png && !jpeg) throw invalid_input({path, "byte 0", "neither a PNG nor a JPEG signature", "a PNG or JPEG image"});
-  if (png) check_png(path, bytes);
+  png ? check_png(path, bytes) : check_jpeg(path, bytes);
   cv::Mat decoded;
   try {
     const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));

@@ -28,8 +28,11 @@ std::string encode_png(int width, int height, const std::vector<uint16_t>& level
 bool save_png(const std::string& path, const Image& image);
 
 // Reads an 8-bit PNG or JPEG: grey, RGB or RGBA as stored; 16-bit files are reduced to 8 bits, palettes expanded.
-// Throws an Error (exit code 3) naming the file when it is no readable image, or a PNG of more than 2^28 pixels.
+// Throws an Error (exit code 3) naming the file when it is no readable image, or has more than 2^28 pixels or more than
+// its bytes can hold.
 Image load_image(const std::string& path);
+// The same from the file's bytes; `path` is only named in messages.
+Image decode_image(const std::string& bytes, const std::string& path);
 
 // The picture as large as fits into width x height pixels, centred on white; of its channels.
 Image fit_into(const Image& picture, int width, int height);

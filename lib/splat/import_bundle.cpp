@@ -16,6 +16,7 @@
 #include "records/inventory.h"
 #include "records/labels.h"
 #include "scene/captured_views.h"
+#include "scene/dataparser_transform.h"
 #include "scene/gaussian_files.h"
 #include "scene/neighbors.h"
 #include "scene/physgaussian.h"
@@ -193,9 +194,20 @@ void remove_other_masks(const std::string& folder, const std::vector<CopiedFile>
 
 namespace {
 
-// Up, where neither the user nor a configuration says it: .spz files have y up, other captures y down.
-std::string usual_up(const std::string& path) {
-  return fs::path(path).extension() == ".spz" ? "y" : "-y";
+// Up, where neither the user nor a configuration says it: nerfstudio turns captures so that z is up, .spz files have y
+// up, other captures y down.
+std::string usual_up(const ImportOptions& options) {
+  if (!options.dataparser.empty()) return "z";
+  return fs::path(options.gaussians).extension() == ".spz" ? "y" : "-y";
+}
+
+// What `dataparser` stands for: a file, or empty.
+std::string dataparser_file(const ImportOptions& options) {
+  if (options.cameras.empty() || options.dataparser == "none") return "";
+  if (!options.dataparser.empty()) return options.dataparser;
+  const std::string found = find_dataparser_transform(options.gaussians, options.cameras);
+  if (!found.empty()) log_info("cameras moved by " + found);
+  return found;
 }
 
 // An imported configuration goes below what the user says. Returns its run specification.
@@ -244,7 +256,8 @@ void write_import_bundle(const ImportOptions& given) {
     configuration = load_physgaussian(options.physgaussian);
     base = take_configuration(configuration, options);
   }
-  if (options.up.empty()) options.up = usual_up(options.gaussians);
+  options.dataparser = dataparser_file(options);
+  if (options.up.empty()) options.up = usual_up(options);
   Gaussians gaussians = load_gaussians(options.gaussians);
   const size_t removed = select_gaussians(gaussians, options.selection, options.gaussians);
   Scene scene;
@@ -258,7 +271,14 @@ void write_import_bundle(const ImportOptions& given) {
   std::vector<Image> rendered;
   std::vector<std::pair<std::string, std::string>> chosen;
   if (!options.cameras.empty()) {
-    UserViews user = read_user_views(options.cameras, options.views, means, options.up, options.folder);
+    UserViews user =
+        read_user_views(options.cameras, options.views, options.dataparser, means, options.up, options.folder);
+    if (!given.dataparser.empty() && given.dataparser != "none" && !user.transformed) {
+      throw Error(ExitCode::usage, "--dataparser-transforms: found " + options.cameras +
+                                       ", whose cameras are in the coordinates of the Gaussians, expected a file of "
+                                       "another program");
+    }
+    if (!user.transformed) options.dataparser.clear();
     scene.views = std::move(user.views);
     copies = std::move(user.files);
     chosen = std::move(user.chosen);
@@ -287,6 +307,7 @@ void write_import_bundle(const ImportOptions& given) {
   if (!options.cameras.empty()) {
     for (const std::string& file : captured_view_files(options.cameras)) provenance.add_input(file);
   }
+  if (!options.dataparser.empty()) provenance.add_input(options.dataparser);
   std::vector<std::string> row_keys;
   if (!options.inventory.empty()) {
     for (const InventoryRow& row : load_inventory(options.inventory).rows) row_keys.push_back(row.key());

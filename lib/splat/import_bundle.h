@@ -12,10 +12,11 @@ struct ImportOptions {
   std::string gaussians;       // .ply, .compressed.ply, .spz or .splat
   std::string prompt;          // not blank
   std::string folder;          // of the bundle
-  std::string up;              // empty: what `physgaussian` says, else y for .spz, else -y (raw captures have y down)
+  std::string up;              // empty: what `physgaussian` says, else z in nerfstudio's frame, y for .spz, -y else
   std::string name;            // empty: made from the file's name
   std::string views;           // folder with the user's images, or empty
   std::string cameras;         // their cameras (user_views.h), with `views` only
+  std::string dataparser;      // dataparser_transforms.json for `cameras`; empty: looked for; "none": without
   std::string inventory;       // authored inventory, or empty
   std::string masks;           // folder with VIEW/OBJECT.png and VIEW/OBJECT/PART.png, or empty
   std::string run;             // partial run specification, or empty

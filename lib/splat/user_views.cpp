@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "scene/choose_views.h"
+#include "scene/dataparser_transform.h"
 #include "scene/view_rig.h"
 #include "splat/image_io.h"
 
@@ -81,7 +82,7 @@ Camera scaled_to(Camera camera, const Image& image, const std::string& file) {
 
 }  // namespace
 
-UserViews read_user_views(const std::string& cameras, const std::string& folder,
+UserViews read_user_views(const std::string& cameras, const std::string& folder, const std::string& dataparser,
                           const std::vector<Eigen::Vector3d>& points, const std::string& up,
                           const std::string& bundle) {
   const ImageSize size_of = [&](const std::string& name) {
@@ -96,22 +97,27 @@ UserViews read_user_views(const std::string& cameras, const std::string& folder,
   } else {
     captured = load_captured_views(cameras, size_of);
   }
+  if (!dataparser.empty()) load_dataparser_transform(dataparser).apply(captured);
   const std::array<ChosenView, 4> chosen = choose_views(captured, points, up, cameras);
   UserViews user;
+  user.transformed = !dataparser.empty();
   for (size_t side = 0; side < chosen.size(); ++side) {
     const CapturedView& from = captured[chosen[side].index];
     const std::string source = find_image(folder, from.image, cameras);
     SceneView view;
     view.name = kViewNames[side];
-    view.camera = scaled_to(from.camera, load_image(source), source);
-    view.image = bundle + "/views/" + view.name + fs::path(source).extension().string();
+    const Image image = load_image(source);
+    view.camera = scaled_to(from.camera, image, source);
+    const bool distorted = !from.distortion.none();
+    view.image = bundle + "/views/" + view.name + (distorted ? ".png" : fs::path(source).extension().string());
     user.chosen.emplace_back(view.name,
                              fmt::format("{}, {:.1f} degrees off", one_line(from.image, 200), chosen[side].angle));
     if (chosen[side].angle > kFarOff) {
       log_warning(fmt::format("{}: no camera near the {} view; the nearest free one is {}", cameras, view.name,
                               user.chosen.back().second));
     }
-    user.files.push_back({view.image, read_file(source)});
+    user.files.push_back(
+        {view.image, distorted ? encode_png(undistorted(image, view.camera, from.distortion)) : read_file(source)});
     user.views.push_back(std::move(view));
   }
   return user;

@@ -46,6 +46,23 @@ PY
   [ "$(fingerprint ply)" = "$before" ]
 }
 
+@test "pm-render: frames of an earlier, longer run go; files of the user's stay" {
+  render --png out --ply out --depth out
+  [ "$(ls out | wc -l)" -eq 30 ]
+  touch out/frame_0099.png out/frame_12345.ply out/depth_0099.png
+  kept="frame_7.png frame_0009.jpg frame_00099.png frame_0099.png.bak my_frame_0099.png notes.txt"
+  (cd out && touch $kept && mkdir frame_0098.png && ln -s ../state.h5 frame_0097.png)
+  render --png out --ply out --frames 0-3,6
+  [ "$(cd out && echo frame_000[0-9].png)" = "$(printf 'frame_000%d.png ' 0 1 2 3 6 | sed 's/ $//')" ]
+  [ "$(cd out && echo frame_000[0-9].ply)" = "$(printf 'frame_000%d.ply ' 0 1 2 3 6 | sed 's/ $//')" ]
+  [ ! -e out/frame_0099.png ] && [ ! -e out/frame_12345.ply ]
+  # Not asked for this time, so not touched.
+  [ "$(ls out/depth_* | wc -l)" -eq 11 ]
+  for file in $kept; do [ -e "out/$file" ]; done
+  [ -d out/frame_0098.png ] && [ -L out/frame_0097.png ]
+  ! ls -A out | grep -q tmp
+}
+
 @test "pm-render: label video and depth pictures" {
   render --labels videos/labels.mp4 --inventory inventory.json --depth depth
   [ "$(stat -c %s videos/labels.mp4)" -gt 1000 ]
@@ -94,12 +111,13 @@ PY
   grep -q "\"$count of $((2 * count)) Gaussians over all frames" videos/support-stiff.json
 }
 
-@test "pm-render: a diverged rollout has a record and no video, and an old video goes" {
-  render
+@test "pm-render: a diverged rollout has a record and no video, and an old video and its frames go" {
+  render --png png
   edit candidates/support-stiff.json 's/"E": [0-9.e+]+/"E": 3e11/'
   simulate --quiet
-  render
+  render --png png
   [ ! -e videos/support-stiff.mp4 ]
+  [ -z "$(ls png)" ]
   grep -q '"video": null' videos/support-stiff.json
   grep -q 'diverged' videos/support-stiff.json
 }

@@ -84,14 +84,77 @@ PY
   same_views
 }
 
-@test "distorted lenses and missing images are refused and nothing is written" {
+@test "cameras of a capture follow nerfstudio's dataparser_transforms.json to its splat" {
+  foreign transforms
+  # The capture is smaller, turned and elsewhere; nerfstudio's frame is the one of the Gaussians.
+  mkdir "$BATS_TEST_TMPDIR/data" "$BATS_TEST_TMPDIR/export"
+  python3 - "$BATS_TEST_TMPDIR" <<'PY'
+import json, sys
+folder = sys.argv[1]
+data = json.load(open(folder + "/transforms.json"))
+s, R, t = 4.0, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], [0.25, -3, 1]
+A = [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0]]  # ns-process-data's
+for f in data["frames"]:
+    m = f["transform_matrix"]
+    y = [[m[r][c] if c < 3 else m[r][3] / s - t[r] for c in range(4)] for r in range(3)]
+    x = [[sum(R[k][r] * y[k][c] for k in range(3)) for c in range(4)] for r in range(3)]
+    f["transform_matrix"] = [[sum(A[r][k] * x[k][c] for k in range(3)) for c in range(4)] for r in range(3)] + [[0, 0, 0, 1]]
+data["applied_transform"] = A
+json.dump(data, open(folder + "/data/transforms.json", "w"))
+json.dump({"transform": [R[r] + [t[r]] for r in range(3)], "scale": s}, open(folder + "/dataparser_transforms.json", "w"))
+PY
+  cp "$TINY/gaussians.ply" "$BATS_TEST_TMPDIR/export/splat.ply"
+  cameras=(--views "$TINY" --cameras "$BATS_TEST_TMPDIR/data/transforms.json")
+  import "${cameras[@]}" --dataparser-transforms "$BATS_TEST_TMPDIR/dataparser_transforms.json"
+  same_views
+  # Beside the splat, and with it z is up without saying so.
+  cp "$BATS_TEST_TMPDIR/dataparser_transforms.json" "$BATS_TEST_TMPDIR/export"
+  rm -r "$OUT"
+  "$BIN/pm-scene" import "$BATS_TEST_TMPDIR/export/splat.ply" --prompt "it falls" --out "$OUT" "${cameras[@]}"
+  same_views
+  grep -q 'export/dataparser_transforms.json"' "$OUT/scene.json"
+  grep -q '"up": "z"' "$OUT/scene.json"
+  # Not wanted, not whole, without cameras, and with cameras that need none.
+  run -3 "$BIN/pm-scene" import "$BATS_TEST_TMPDIR/export/splat.ply" --prompt "it falls" --up z --out "$OUT" \
+    "${cameras[@]}" --dataparser-transforms none
+  [[ "$output" == *"same coordinates as the Gaussians"* ]]
+  echo '{"scale": 1}' > "$BATS_TEST_TMPDIR/export/dataparser_transforms.json"
+  run -3 "$BIN/pm-scene" import "$BATS_TEST_TMPDIR/export/splat.ply" --prompt "it falls" --out "$OUT" "${cameras[@]}"
+  [[ "$output" == *"dataparser_transforms.json: /transform"* ]]
+  run -2 import --dataparser-transforms "$BATS_TEST_TMPDIR/dataparser_transforms.json"
+  python3 - "$TINY/scene.json" > "$BATS_TEST_TMPDIR/own.json" <<'PY'
+import json, sys
+print(json.dumps(json.load(open(sys.argv[1]))["views"]))
+PY
+  run -2 import --views "$TINY" --cameras "$BATS_TEST_TMPDIR/own.json" \
+    --dataparser-transforms "$BATS_TEST_TMPDIR/dataparser_transforms.json"
+  [[ "$output" == *"own.json"* ]]
+}
+
+@test "pictures of lenses with distortion are undistorted" {
+  foreign transforms
+  sed -i 's/{"frames"/{"k1": -0.15, "p2": 0.01, "frames"/' "$BATS_TEST_TMPDIR/transforms.json"
+  import --views "$TINY" --cameras "$BATS_TEST_TMPDIR/transforms.json"
+  run ! cmp -s "$TINY/views/front.png" "$OUT/views/front.png"
   foreign colmap
-  sed -i 's/PINHOLE\(.*\)/OPENCV\1 0.1 0 0 0/' "$BATS_TEST_TMPDIR/sparse/0/cameras.txt"
+  sed -i 's/PINHOLE\(.*\)/OPENCV\1 -0.15 0 0 0.01/' "$BATS_TEST_TMPDIR/sparse/0/cameras.txt"
+  cp "$OUT/views/front.png" "$BATS_TEST_TMPDIR/front.png"
+  import --views "$TINY/views" --cameras "$BATS_TEST_TMPDIR/sparse/0"
+  cmp "$BATS_TEST_TMPDIR/front.png" "$OUT/views/front.png"
+  grep -q '"image": "views/front.png"' "$OUT/scene.json"
+}
+
+@test "fisheyes, folded and missing images are refused and nothing is written" {
+  foreign colmap
+  sed -i 's/PINHOLE\(.*\)/OPENCV_FISHEYE\1 0.1 0 0 0/' "$BATS_TEST_TMPDIR/sparse/0/cameras.txt"
   run ! import --views "$TINY/views" --cameras "$BATS_TEST_TMPDIR/sparse/0"
   [[ "$output" == *"cameras.txt: line 2"*image_undistorter* ]]
   foreign transforms
   run ! import --views "$BATS_TEST_TMPDIR" --cameras "$BATS_TEST_TMPDIR/transforms.json"
   [[ "$output" == *"the image \"views/"* ]]
+  sed -i 's/{"frames"/{"k1": -20, "frames"/' "$BATS_TEST_TMPDIR/transforms.json"
+  run ! import --views "$TINY" --cameras "$BATS_TEST_TMPDIR/transforms.json"
+  [[ "$output" == *"transforms.json: /k1: "*"folds"* ]]
   [ ! -e "$OUT" ]
 }
 

@@ -7,13 +7,16 @@
 
 #include "guard.h"
 #include "records/candidate.h"
+#include "records/evaluation.h"
 #include "records/evidence.h"
 #include "records/example.h"
 #include "records/execution.h"
 #include "records/material_records.h"
+#include "records/metrics.h"
 #include "records/plan.h"
 #include "records/render.h"
 #include "records/screen.h"
+#include "records/study.h"
 #include "scene/scene.h"
 
 namespace {
@@ -22,7 +25,7 @@ using namespace physmas;
 
 // Loaders read files. One per process, removed at its end.
 struct File {
-  std::string path = "/tmp/physmas-fuzz-" + std::to_string(getpid()) + ".json";
+  std::string path = "/dev/shm/physmas-fuzz-" + std::to_string(getpid()) + ".json";
   ~File() { unlink(path.c_str()); }
 };
 
@@ -39,6 +42,17 @@ Inventory tiny_inventory() {
   return inventory;
 }
 
+// The study that the seed of `answers` belongs to.
+StudyKey one_case() {
+  StudyKey key;
+  key.token = std::string(64, 'a');
+  key.methods = {"physmas", "other"};
+  key.cases.emplace_back();
+  key.cases.back().id = "cake";
+  key.cases.back().codes = {{"c1", "physmas"}, {"c2", "other"}};
+  return key;
+}
+
 void load_run(const std::string& path) {
   Json run = load_record(path, "run");
   run.erase("schema");
@@ -48,6 +62,7 @@ void load_run(const std::string& path) {
 
 const std::map<std::string, std::function<void(const std::string& path)>>& loaders() {
   static const Inventory inventory = tiny_inventory();
+  static const StudyKey key = one_case();
   static const std::map<std::string, std::function<void(const std::string&)>> kLoaders = {
       {"scene", [](const std::string& path) { load_scene(path, {}); }},
       {"run", load_run},
@@ -65,6 +80,11 @@ const std::map<std::string, std::function<void(const std::string& path)>>& loade
       {"screen", [](const std::string& path) { load_screen(path); }},
       {"accepted", [](const std::string& path) { load_accepted(path); }},
       {"example", [](const std::string& path) { load_example(path); }},
+      {"evaluation", [](const std::string& path) { load_evaluation(path); }},
+      {"metrics", [](const std::string& path) { load_metrics(path); }},
+      {"study", [](const std::string& path) { load_study_key(path); }},
+      {"answers", [](const std::string& path) { load_study_answers(path, key); }},
+      {"upr", [](const std::string& path) { load_upr(path); }},
   };
   return kLoaders;
 }

@@ -4,11 +4,13 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include "input_error.h"
 #include "scene/captured_views.h"
 #include "scene/choose_views.h"
+#include "scene/dataparser_transform.h"
 #include "temporary_folder.h"
 
 using namespace physmas;
@@ -156,6 +158,63 @@ TEST_CASE("cameras: transforms.json undoes its applied transform") {
   check_projects(views_of(document).at(0), "a");
 }
 
+TEST_CASE("cameras: nerfstudio's dataparser transform moves cameras into the frame of the Gaussians") {
+  // The point and the camera that the checks know are in nerfstudio's frame: scale (R x + t) of the capture.
+  const double scale = 0.37;
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(0.8, Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  const Vector3d t(0.3, -4, 1.5);
+  Camera captured = known_camera();
+  const Vector3d center = R.transpose() * (captured.center() / scale - t);
+  captured.world_to_camera.topLeftCorner<3, 3>() = captured.rotation() * R;
+  captured.world_to_camera.topRightCorner<3, 1>() = -captured.rotation() * center;
+  Json transform = {{"scale", scale}, {"transform", Json::array()}};
+  for (int r = 0; r < 3; ++r) transform["transform"].push_back({R(r, 0), R(r, 1), R(r, 2), t(r)});
+  // ns-process-data turns the capture before it writes transforms.json; the dataparser takes that back.
+  Eigen::Matrix4d applied = Eigen::Matrix4d::Identity();
+  applied.topRows<3>() << 1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0;
+  Json rows = Json::array();
+  for (int r = 0; r < 3; ++r) rows.push_back({applied(r, 0), applied(r, 1), applied(r, 2), applied(r, 3)});
+  Json document = {{"w", 200}, {"h", 100}, {"fl_x", 150}, {"fl_y", 140}, {"applied_transform", rows}};
+  document["frames"] = {{{"file_path", "a"}, {"transform_matrix", opengl_pose(captured, applied)}}};
+  std::vector<CapturedView> views = views_of(document);
+  dataparser_transform_from(transform, "d.json").apply(views);
+  check_projects(views.at(0), "a");
+
+  // applied_scale: the file's positions are larger than the capture's.
+  document["applied_scale"] = 2;
+  for (int r = 0; r < 3; ++r) {
+    Json& position = document["frames"][0]["transform_matrix"][r][3];
+    position = 2 * position.get<double>();
+  }
+  views = views_of(document);
+  dataparser_transform_from(transform, "d.json").apply(views);
+  check_projects(views.at(0), "a");
+
+  const auto refused = [](const Json& json) { return message_of([&] { dataparser_transform_from(json, "d.json"); }); };
+  Json bad = transform;
+  bad["scale"] = 0;
+  CHECK(refused(bad).find("d.json: /scale") != std::string::npos);
+  bad = transform;
+  bad["transform"][0][0] = 3;
+  CHECK(refused(bad).find("/transform") != std::string::npos);
+  bad["transform"] = "none";
+  CHECK(refused(bad).find("/transform") != std::string::npos);
+  CHECK(refused(Json::array()).find("d.json") != std::string::npos);
+}
+
+TEST_CASE("cameras: the dataparser transform is found beside the Gaussians, then beside the cameras") {
+  const TemporaryFolder folder;
+  for (const char* name : {"export", "data", "data/sparse"}) std::filesystem::create_directory(folder / name);
+  const std::string gaussians = folder / "export/splat.ply", cameras = folder / "data/transforms.json";
+  CHECK(find_dataparser_transform(gaussians, cameras).empty());
+  std::ofstream(folder / "data/dataparser_transforms.json") << "{}";
+  CHECK(find_dataparser_transform(gaussians, cameras) == folder / "data/dataparser_transforms.json");
+  CHECK(find_dataparser_transform(gaussians, folder / "data") == folder / "data/dataparser_transforms.json");
+  CHECK(find_dataparser_transform(gaussians, folder / "data/sparse").empty());
+  std::ofstream(folder / "export/dataparser_transforms.json") << "{}";
+  CHECK(find_dataparser_transform(gaussians, cameras) == folder / "export/dataparser_transforms.json");
+}
+
 TEST_CASE("cameras: transforms.json that is no pinhole, or broken, is refused") {
   const Json good = {{"w", 200},
                      {"h", 100},
@@ -167,8 +226,9 @@ TEST_CASE("cameras: transforms.json that is no pinhole, or broken, is refused") 
     return error_of(changed);
   };
   CHECK(error_of(good) == "no error");
-  CHECK(contains(with("/k1", 0.01), "undistort"));
-  CHECK(contains(with("/frames/0/p2", -1e-3), "/frames/0/p2"));
+  CHECK(contains(with("/k1", -9), "folds"));
+  CHECK(contains(with("/frames/0/k4", -1e-3), "/frames/0/k4"));
+  CHECK(contains(with("/frames/0/p2", "much"), "/frames/0/p2"));
   CHECK(contains(with("/camera_model", "OPENCV_FISHEYE"), "undistort"));
   CHECK(contains(with("/fl_x", 0), "/fl_x"));
   CHECK(contains(with("/w", 1.5), "/w"));
@@ -208,7 +268,8 @@ TEST_CASE("cameras: COLMAP text") {
   }
   CHECK(views_from_colmap(colmap_text("7 SIMPLE_PINHOLE 200 100 150 100 50"))[0].camera.fy == 150);
   const auto refused = [](const char* line) { return message_of([&] { views_from_colmap(colmap_text(line)); }); };
-  CHECK(contains(refused("7 SIMPLE_RADIAL 200 100 150 100 50 0.1"), "image_undistorter"));
+  CHECK(contains(refused("7 SIMPLE_RADIAL 200 100 150 100 50 -9"), "image_undistorter"));
+  CHECK(contains(refused("7 FULL_OPENCV 200 100 150 140 100 50 0.1 0 0 0 0 0.2 0 0"), "FULL_OPENCV with k4"));
   CHECK(contains(refused("7 OPENCV_FISHEYE 200 100 150 140 100 50 0 0 0 0"), "image_undistorter"));
   CHECK(contains(refused("7 PINHOLE 200 100 150 140 100"), "line 2"));
   CHECK(contains(refused("7 PINHOLE 200 100 150 140 100 50 1"), "4 for PINHOLE"));
@@ -216,6 +277,51 @@ TEST_CASE("cameras: COLMAP text") {
   CHECK(contains(refused("7 WIDE 200 100 150 140 100 50"), "WIDE"));
   CHECK(contains(refused("8 PINHOLE 200 100 150 140 100 50"), "camera 7"));
   CHECK(contains(refused("7 PINHOLE 200 100 nan 140 100 50"), "line 2"));
+}
+
+TEST_CASE("cameras: distortion is read in the order of each format") {
+  const auto colmap = [](const char* line) { return views_from_colmap(colmap_text(line)).at(0).distortion; };
+  const auto check = [](const Distortion& d, double k1, double k2, double k3, double p1, double p2) {
+    CHECK(d.k1 == k1);
+    CHECK(d.k2 == k2);
+    CHECK(d.k3 == k3);
+    CHECK(d.p1 == p1);
+    CHECK(d.p2 == p2);
+  };
+  check(colmap("7 PINHOLE 200 100 150 140 100 50"), 0, 0, 0, 0, 0);
+  check(colmap("7 SIMPLE_RADIAL 200 100 150 100 50 0.1"), 0.1, 0, 0, 0, 0);
+  check(colmap("7 RADIAL 200 100 150 100 50 0.1 0.2"), 0.1, 0.2, 0, 0, 0);
+  check(colmap("7 OPENCV 200 100 150 140 100 50 0.1 0.2 0.01 0.02"), 0.1, 0.2, 0, 0.01, 0.02);
+  check(colmap("7 FULL_OPENCV 200 100 150 140 100 50 0.1 0.2 0.01 0.02 0.3 0 0 0"), 0.1, 0.2, 0.3, 0.01, 0.02);
+  Json document = {{"w", 200}, {"h", 100}, {"fl_x", 150}, {"k1", 0.1}, {"k2", 0.2}, {"k3", 0.3}, {"p1", 0.01}};
+  document["frames"] = {{{"file_path", "a"}, {"transform_matrix", opengl_pose(known_camera())}, {"p2", 0.02}}};
+  check(views_of(document).at(0).distortion, 0.1, 0.2, 0.3, 0.01, 0.02);
+}
+
+TEST_CASE("cameras: an undistorted picture shows at each pixel what the lens put elsewhere") {
+  // Grey levels that grow by one per pixel to the right, and red ones downwards: bilinear sampling is exact in them.
+  Camera camera;
+  camera.width = 200, camera.height = 100, camera.fx = 150, camera.fy = 140, camera.cx = 101, camera.cy = 49;
+  Image image(200, 100, 3);
+  for (int y = 0; y < 100; ++y) {
+    for (int x = 0; x < 200; ++x)
+      image.at(x, y)[0] = static_cast<uint8_t>(y), image.at(x, y)[1] = static_cast<uint8_t>(x);
+  }
+  CHECK(undistorted(image, camera, {}).pixels == image.pixels);
+  const Distortion lens = {-0.2, 0.05, 0, 0.01, -0.02};
+  const Image straight = undistorted(image, camera, lens);
+  // By hand for the centre of pixel (175, 24): x = 74.5/150, y = -24.5/140.
+  const double x = 74.5 / 150, y = -24.5 / 140, r2 = x * x + y * y;
+  const double radial = 1 - 0.2 * r2 + 0.05 * r2 * r2;
+  const double u = 150 * (x * radial + 0.02 * x * y - 0.02 * (r2 + 2 * x * x)) + 101 - 0.5,
+               v = 140 * (y * radial + 0.01 * (r2 + 2 * y * y) - 0.04 * x * y) + 49 - 0.5;
+  CHECK(straight.at(175, 24)[1] == std::lround(u));
+  CHECK(straight.at(175, 24)[0] == std::lround(v));
+  CHECK(std::abs(u - 175) > 2);  // the lens does something there
+  // The other way round the lens saw less than the pinhole: the border is repeated.
+  const Image wide = undistorted(image, camera, {0.5, 0, 0, 0, 0});
+  CHECK(wide.at(0, 0)[1] == 0);
+  CHECK(wide.at(199, 99)[0] == 99);
 }
 
 TEST_CASE("cameras: COLMAP binary, whole and cut at every byte") {

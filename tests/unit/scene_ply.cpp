@@ -232,6 +232,7 @@ TEST_CASE("ply: hostile bodies end with a line that says what is wrong") {
     for (float bad : {nan, infinity, -infinity}) {
       std::vector<float> values = kValues;
       values.insert(values.end(), kValues.begin(), kValues.end());
+      if (kColumns[k] == "opacity" && std::isinf(bad)) continue;  // 0 or 1
       values[kValues.size() + k] = bad;
       check_error(header(little, "2") + body(values), {"row 1 property " + kColumns[k], "finite"});
     }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <limits>
 
 #include "scene/gaussian_files.h"
 #include "temporary_folder.h"
@@ -107,4 +108,29 @@ TEST_CASE("ply: files as other programs write them") {
     CHECK(again.opacity_logit == g.opacity_logit);
     CHECK(again.log_scale == g.log_scale);
   }
+}
+
+TEST_CASE("ply: 8-bit colours instead of harmonics, and opacities of exactly 0 and 1") {
+  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex 2\n";
+  for (const char* name : {"x", "y", "z"}) bytes += std::string("property float ") + name + "\n";
+  for (const char* name : {"red", "green", "blue"}) bytes += std::string("property uchar ") + name + "\n";
+  for (const char* name : {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"})
+    bytes += std::string("property float ") + name + "\n";
+  bytes += "end_header\n";
+  const float infinity = std::numeric_limits<float>::infinity();
+  const auto put = [&](float value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
+  for (const float opacity : {infinity, -infinity}) {
+    for (int k = 0; k < 3; ++k) put(1.5f);
+    bytes += std::string("\0\x80\xff", 3);
+    for (const float value : {opacity, -2.f, -3.f, -4.f, 1.f, 0.f, 0.f, 0.f}) put(value);
+  }
+  const Gaussians g = parse_gaussians("a.ply", bytes);
+  CHECK(g.sh_degree == 0);
+  const double c0 = 0.28209479177387814;  // Y_00
+  for (int c = 0; c < 3; ++c) CHECK(0.5 + c0 * g.sh_of(0)[0][c] == doctest::Approx((c * 127 + (c > 0)) / 255.0));
+  CHECK(g.opacity(0) == 1);
+  CHECK(g.opacity(1) == 0);
+  const TemporaryFolder folder;
+  save_gaussians_ply(folder / "gaussians.ply", g);
+  CHECK(load_gaussians(folder / "gaussians.ply").opacity_logit == g.opacity_logit);
 }

@@ -39,11 +39,16 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-bool omits(const PhysGaussianImport& import, const std::string& what) {
+// Why `what` was not mapped; empty when it was.
+std::string why(const PhysGaussianImport& import, const std::string& what) {
   for (const Omission& field : import.not_mapped) {
-    if (field.what == what && !field.why.empty()) return true;
+    if (field.what == what) return field.why;
   }
-  return false;
+  return "";
+}
+
+bool omits(const PhysGaussianImport& import, const std::string& what) {
+  return !why(import, what).empty();
 }
 
 void check_vector(const Json& json, const Vector3d& expected) {
@@ -131,6 +136,50 @@ TEST_CASE("physgaussian: a whole configuration") {
     INFO(what);
     CHECK(omits(import, what));
   }
+}
+
+TEST_CASE("physgaussian: colliders are what lasts as long as the run; motions are named in scene axes") {
+  // 2 s; a quarter turn about z takes the scene's x to PhysGaussian's y.
+  const PhysGaussianImport import = import_of(R"({
+    "rotation_degree": [90], "rotation_axis": [2], "frame_dt": 0.02, "frame_num": 100, "boundary_conditions": [
+      {"type": "cuboid", "point": [1, 1.5, 1], "size": [0.1, 0.2, 0.3], "velocity": [0, 0, 0], "end_time": 2.0},
+      {"type": "cuboid", "point": [1, 1, 1], "size": [1, 1, 1], "velocity": [0, 0, 0], "end_time": 1.9},
+      {"type": "cuboid", "point": [1, 1, 1], "size": [1, 1, 1], "velocity": [0, 0.5, 0], "start_time": 0.5, "end_time": 1e3},
+      {"type": "enforce_particle_translation", "point": [1, 1, 1], "size": [1, 1, 1], "velocity": [0.2, 0, 0],
+       "start_time": 0, "end_time": 1e3},
+      {"type": "enforce_particle_translation", "point": [1, 1, 1], "size": [1, 1, 1], "velocity": [0, 0, 0],
+       "start_time": 0, "end_time": 0.5},
+      {"type": "enforce_particle_velocity_rotation", "point": [1, 1, 1], "normal": [0, 0, 2],
+       "half_height_and_radius": [0.2, 0.1], "rotation_scale": 1.9, "translation_scale": 0, "start_time": 0, "end_time": 3},
+      {"type": "particle_impulse", "force": [0, 0, -0.18], "num_dt": 3, "start_time": 0.25},
+      {"type": "release_particles_sequentially", "normal": [1, 0, 0], "start_position": 1.5, "end_position": 0.5,
+       "num_layers": 50, "start_time": 0, "end_time": 1.5},
+      {"type": "surface_collider", "point": [1, 1, 0.2], "normal": [0, 1, 1], "surface": "cut", "friction": 0},
+      {"type": "surface_collider", "point": [1, 1, 0.2], "normal": [0, 3, 4], "surface": "separate", "friction": 0.5,
+       "start_time": 0, "end_time": 5},
+      {"type": "surface_collider", "point": [1, 1, 0.2], "normal": [0, 1, 1], "surface": "sticky", "friction": 0,
+       "start_time": 1, "end_time": 5},
+      {"type": "wind"}]})");
+  REQUIRE(import.run["colliders"].size() == 2);
+  const Json &box = import.run["colliders"][0], &plane = import.run["colliders"][1];
+  check_vector(box["min"], {1.3, 0.9, 0.7});
+  check_vector(box["max"], {1.7, 1.1, 1.3});
+  CHECK(plane["mode"] == "separate");
+  CHECK(plane["friction"] == 0.5);
+  check_vector(plane["normal"], {0.6, 0, 0.8});
+  const auto reason = [&](int i, const char* type) {
+    return why(import, "/boundary_conditions/" + std::to_string(i) + " (" + type + ")");
+  };
+  CHECK(contains(reason(1, "cuboid"), "from 0 s to 1.9 s only"));
+  CHECK(contains(reason(2, "cuboid"), "along x at 0.5 m/s from 0.5 s to 2 s"));
+  CHECK(contains(reason(3, "enforce_particle_translation"), "moved along -y at 0.2 m/s;"));
+  CHECK(contains(reason(4, "enforce_particle_translation"), "held from 0 s to 0.5 s;"));
+  CHECK(contains(reason(5, "enforce_particle_velocity_rotation"), "turned about -z at 1.9 rad/s;"));
+  CHECK(contains(reason(6, "particle_impulse"), "0.18 N each along -z for 3 steps from 0.25 s"));
+  CHECK(contains(reason(7, "release_particles_sequentially"), "no action"));
+  CHECK(contains(reason(8, "surface_collider"), "specific"));
+  CHECK(contains(reason(10, "surface_collider"), "from 1 s to 2 s only"));
+  CHECK(contains(reason(11, "wind"), "unknown"));
 }
 
 TEST_CASE("physgaussian: what a configuration leaves out has PhysGaussian's default") {

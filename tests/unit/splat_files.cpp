@@ -6,6 +6,7 @@
 #include <csignal>
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <random>
 
 #include "base/error.h"
@@ -90,6 +91,36 @@ TEST_CASE("splat: PNG files keep every pixel and have one encoding") {
   CHECK(error_of([&] { load_image(folder / "none.png"); }).find("none.png") != std::string::npos);
   write_file(folder / "text.png", "hello");
   CHECK(error_of([&] { load_image(folder / "text.png"); }).find("PNG") != std::string::npos);
+}
+
+TEST_CASE("splat: damaged and cut pictures, and sizes that the bytes cannot hold, are refused") {
+  const auto refused = [](const std::string& bytes) { return error_of([&] { decode_image(bytes, "a.png"); }); };
+  Image image(40, 30, 3);
+  for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<uint8_t>(i * i);
+  const std::string png = encode_png(image);
+  CHECK(decode_image(png, "a.png").pixels == image.pixels);
+  for (size_t i = 8; i < png.size(); ++i) {
+    std::string damaged = png;
+    damaged[i] = static_cast<char>(damaged[i] ^ 4);
+    CHECK_FALSE(refused(damaged).empty());
+  }
+  std::string large = png;
+  large.replace(16, 8, std::string("\0\0\x3f\xff\0\0\x3f\xff", 8));
+  CHECK(refused(large).find("which the data can hold") != std::string::npos);
+
+  std::vector<uint8_t> bytes;
+  cv::imencode(".jpg", cv::Mat(300, 400, CV_8UC3, cv::Scalar(20, 80, 160)), bytes);
+  const std::string jpeg(bytes.begin(), bytes.end());
+  CHECK(decode_image(jpeg, "a.jpg").width == 400);
+  for (const size_t size : {size_t{3}, size_t{20}, jpeg.size() / 2, jpeg.size() - 2}) {
+    INFO(size);
+    CHECK(refused(jpeg.substr(0, size)).find("whole JPEG") != std::string::npos);
+  }
+  std::string huge = jpeg;
+  const size_t frame = huge.find("\xff\xc0");
+  REQUIRE(frame != std::string::npos);
+  huge.replace(frame + 5, 4, "\xff\xff\xff\xff");
+  CHECK(refused(huge).find("2^28 pixels") != std::string::npos);
 }
 
 TEST_CASE("splat: rendered images are cut above 1 only when they are quantised") {

@@ -1,0 +1,46 @@
+#include "scene/dataparser_transform.h"
+
+#include <filesystem>
+
+#include "base/file.h"
+#include "scene/foreign_json.h"
+
+namespace fs = std::filesystem;
+
+namespace physmas {
+
+DataparserTransform dataparser_transform_from(const Json& json, const std::string& file) {
+  const ForeignObject object(json, file, "");
+  const Eigen::MatrixXd matrix = object.matrix("transform", 3, 4);
+  DataparserTransform transform;
+  const Camera pose = camera_at_pose(matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>(), file, "/transform");
+  transform.rotation = pose.rotation().transpose();
+  transform.translation = matrix.topRightCorner<3, 1>();
+  transform.scale = object.positive("scale");
+  return transform;
+}
+
+DataparserTransform load_dataparser_transform(const std::string& path) {
+  return dataparser_transform_from(parse_json(read_file(path), path), path);
+}
+
+void DataparserTransform::apply(std::vector<CapturedView>& views) const {
+  for (CapturedView& view : views) {
+    const Eigen::Vector3d center = scale * (rotation * view.camera.center() + translation);
+    const Eigen::Matrix3d R = view.camera.rotation() * rotation.transpose();
+    view.camera.world_to_camera.topLeftCorner<3, 3>() = R;
+    view.camera.world_to_camera.topRightCorner<3, 1>() = -R * center;
+  }
+}
+
+std::string find_dataparser_transform(const std::string& gaussians, const std::string& cameras) {
+  std::error_code failure;
+  const std::string beside_cameras = fs::is_directory(cameras, failure) ? cameras : folder_of(cameras);
+  for (const std::string& folder : {folder_of(gaussians), beside_cameras}) {
+    const std::string file = (fs::path(folder) / "dataparser_transforms.json").string();
+    if (fs::is_regular_file(file, failure)) return file;
+  }
+  return "";
+}
+
+}  // namespace physmas
