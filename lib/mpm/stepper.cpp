@@ -328,7 +328,7 @@ void TypedStepper<T>::process_block(int index, double dt) {
         const Vec3<V> free = x;
         for (int a = 0; a < 3; ++a) x[a] = at_most(at_least(x[a], V(low[a])), V(high[a]));
         const auto held = free.x != x.x || free.y != x.y || free.z != x.z;
-        report.clamped += stdx::popcount(held);
+        report.clamped += stdx::popcount(held && volume > V(T(0)));  // not the empty slots
       }
       const Mat3<V> gradient_of_step = forced ? C + motion.increment_gradient : C;
       F = F + V(step) * (gradient_of_step * F);

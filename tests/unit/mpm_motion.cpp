@@ -136,6 +136,17 @@ TEST_CASE("mpm walls: particles that start outside are held at the edge and coun
   }
 }
 
+TEST_CASE("mpm walls: a particle within the edge of an odd grid is not counted, nor are the lanes beside it") {
+  // The last block of 31 cells ends in the middle of where empty lanes would rest.
+  Problem p = scene({Branch::jelly, 5e4, 0.3, 1000}, 31);
+  const double dx = p.domain.dx();
+  p.particles.position = {{28.9 * dx, 1, 1}};
+  p.particles.volume = {dx * dx * dx / 8};
+  p.particles.row = {0};
+  CHECK(simulate(p, {2, 0.01, 10}).result.particles_outside == 0);
+  CHECK(simulate(p, {2, 0.01, 10}, options(Precision::single)).result.particles_outside == 0);
+}
+
 TEST_CASE("mpm faults: a modulus of 3e11 at the paper's base substep diverges cleanly, whatever the branch") {
   for (const Precision precision : {Precision::full, Precision::single}) {
     for (int b = 0; b < kBranchCount; ++b) {
