@@ -4,8 +4,20 @@
 
 namespace physmas::mpm {
 
+namespace {
+
+// With fewer, threads wait for one another's blocks for longer than they save.
+constexpr int kBlocksPerThread = 24;
+
+int color_of(const ParticleBlock& block) {
+  return 4 * (block.position[0] % 2) + 2 * (block.position[1] % 2) + block.position[2] % 2;
+}
+
+}  // namespace
+
 BlockMap::BlockMap(int nodes) : table_((nodes + kBlock - 1) / kBlock + 2) {
   index_of_id_.assign(grid_block_count(), -1);
+  reached_.assign(grid_block_count(), false);
 }
 
 void BlockMap::start(std::vector<int> ids) {
@@ -22,47 +34,53 @@ void BlockMap::start(std::vector<int> ids) {
   }
 }
 
-void BlockMap::connect() {
-  struct Reach {
-    int id, position[3];
-    ArenaPart part;
-  };
-  std::vector<Reach> reached;
-  for (size_t b = 0; b < particle_blocks.size(); ++b) {
+void BlockMap::connect(int threads) {
+  const int count = static_cast<int>(particle_blocks.size());
+  long long slots = 0, sum = 0;
+  for (const ParticleBlock& block : particle_blocks) slots += block.slots;
+  order.clear();
+  order_bounds.assign(1, 0);
+  const int ranges = std::max(1, std::min(threads, count / kBlocksPerThread));
+  for (int t = 0, begin = 0; t < threads; ++t) {
+    int end = begin;
+    while (end < count && (t + 1 >= ranges || sum * ranges < slots * (t + 1))) sum += particle_blocks[end++].slots;
+    for (int color = 0; color < 8; ++color) {
+      for (int b = begin; b < end; ++b) {
+        if (color_of(particle_blocks[b]) == color) order.push_back(b);
+      }
+    }
+    order_bounds.push_back(end);
+    begin = end;
+  }
+  waits_for.resize(count);
+  for (int b = 0; b < count; ++b) {
     const ParticleBlock& block = particle_blocks[b];
+    waits_for[b].clear();
+    for (int code = 0; code < 27; ++code) {
+      const int id = block.id + (code / 9 - 1) * id_stride(0) + (code / 3 % 3 - 1) * id_stride(1) + code % 3 - 1;
+      const int other = index_of_id_[id];
+      if (other < 0 || other >= count || particle_blocks[other].id != id) continue;
+      if (color_of(particle_blocks[other]) < color_of(block)) waits_for[b].push_back(other);
+    }
+  }
+  grid_blocks.clear();
+  for (const ParticleBlock& block : particle_blocks) {
     for (int code = 0; code < 27; ++code) {
       const int step[3] = {code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1};
-      Reach r{};
-      r.part.arena = static_cast<int>(b);
       bool empty = false;
+      GridBlock reached{block.id, {}};
       for (int axis = 0; axis < 3; ++axis) {
-        // Grid node 4 (p + step) + k is arena node 4 step + k + 1.
-        const int offset = kBlock * step[axis] + 1;
-        const int low = std::max(0, block.low[axis] - offset);
-        const int high = std::min(kBlock - 1, block.high[axis] - offset);
-        empty = empty || low > high;
-        r.part.offset[axis] = static_cast<std::int8_t>(offset);
-        r.part.low[axis] = static_cast<std::int8_t>(low);
-        r.part.high[axis] = static_cast<std::int8_t>(high);
-        r.position[axis] = block.position[axis] + step[axis];
+        empty = empty || block.high[axis] < kBlock * step[axis] || block.low[axis] >= kBlock * (step[axis] + 1);
+        reached.position[axis] = block.position[axis] + step[axis];
+        reached.id += step[axis] * id_stride(axis);
       }
-      if (empty) continue;
-      r.id = block_id(r.position[0], r.position[1], r.position[2]);
-      reached.push_back(r);
+      if (empty || reached_[reached.id]) continue;
+      reached_[reached.id] = true;
+      grid_blocks.push_back(reached);
     }
   }
-  std::sort(reached.begin(), reached.end(),
-            [](const Reach& a, const Reach& b) { return a.id != b.id ? a.id < b.id : a.part.arena < b.part.arena; });
-  grid_blocks.clear();
-  parts.clear();
-  for (const Reach& r : reached) {
-    if (grid_blocks.empty() || grid_blocks.back().id != r.id) {
-      const int begin = static_cast<int>(parts.size());
-      grid_blocks.push_back({r.id, {r.position[0], r.position[1], r.position[2]}, begin, begin});
-    }
-    parts.push_back(r.part);
-    grid_blocks.back().parts_end = static_cast<int>(parts.size());
-  }
+  for (const GridBlock& block : grid_blocks) reached_[block.id] = false;
+  std::sort(grid_blocks.begin(), grid_blocks.end(), [](const GridBlock& a, const GridBlock& b) { return a.id < b.id; });
 }
 
 }  // namespace physmas::mpm

@@ -1,8 +1,9 @@
 // Blocks of 4^3 cells with their particles, and which blocks of grid nodes they reach.
 //
 // A particle belongs to the cell of its base node, the lowest of the 3 nodes per axis that its quadratic B-spline
-// touches. Every particle block owns an arena of 8^3 nodes: its 4^3 cells, the two further nodes of the stencil, and
-// one more cell on each side, so that particles may drift by up to one cell between two sorts.
+// touches. A block's particles reach its 4^3 cells, the two further nodes of the stencil, and one more cell on each
+// side, since particles may drift by up to one cell between two sorts: nodes -1 to 6 of its own, so that blocks whose
+// distance is even along every axis never meet.
 #ifndef PHYSMAS_MPM_BLOCKS_H
 #define PHYSMAS_MPM_BLOCKS_H
 
@@ -11,12 +12,10 @@
 
 namespace physmas::mpm {
 
-constexpr int kBlock = 4;  // nodes per axis of a grid block
-constexpr int kArena = 8;  // nodes per axis of a particle block's arena
+constexpr int kBlock = 4;  // nodes per axis of a block
 constexpr int kBlockNodes = kBlock * kBlock * kBlock;
-constexpr int kArenaNodes = kArena * kArena * kArena;
 
-// A block of cells with its particles. Arena node 0 is grid node 4 * position - 1.
+// A block of cells with its particles.
 struct ParticleBlock {
   int id = 0;            // index into the table of grid blocks
   int position[3] = {};  // block coordinates: grid node 4 * position is the block's first
@@ -24,23 +23,14 @@ struct ParticleBlock {
   int count = 0;         // particles
   int begin = 0;         // first slot, a multiple of the lane count
   int slots = 0;         // slots that belong to it, a multiple of the lane count
-  // Arena nodes, inclusive: that its particles can reach until the next sort, and that they reach now.
+  // Nodes from the block's first, inclusive, that its particles can reach until the next sort.
   std::int8_t low[3] = {}, high[3] = {};
-  std::int8_t now_low[3] = {}, now_high[3] = {};
-};
-
-// What one arena adds to one grid block: the overlap of both.
-struct ArenaPart {
-  int arena;                    // index of the particle block
-  std::int8_t offset[3];        // arena node = grid block node + offset
-  std::int8_t low[3], high[3];  // grid block nodes, inclusive
 };
 
 // A block of grid nodes that particles can reach.
 struct GridBlock {
   int id;
   int position[3];
-  int parts_begin, parts_end;  // its range in `parts`, in the order of the particle blocks
 };
 
 class BlockMap {
@@ -59,16 +49,21 @@ class BlockMap {
   void start(std::vector<int> ids);
   // Index of the particle block with this id, which must be one of the set.
   int index_of(int id) const { return index_of_id_[id]; }
-  // Once every particle block knows its reach: which grid blocks there are, and which arenas they sum.
-  void connect();
+  // Once every particle block knows its reach: which grid blocks there are, and an order for so many threads.
+  void connect(int threads);
 
   std::vector<ParticleBlock> particle_blocks;  // ascending id
   std::vector<GridBlock> grid_blocks;          // ascending id
-  std::vector<ArenaPart> parts;
+  // All particle blocks in a range for every thread, of about as many particles, or in the first one where there are
+  // too few to share; in a range by one of eight colours and then by id. Blocks of one colour share no node; a block
+  // that adds to its nodes after the neighbours of lower colours has them in waits_for.
+  std::vector<int> order, order_bounds;
+  std::vector<std::vector<int>> waits_for;  // per particle block
 
  private:
   int table_;
   std::vector<int> index_of_id_;  // valid for the present blocks only
+  std::vector<bool> reached_;     // per id, all false between calls
 };
 
 }  // namespace physmas::mpm

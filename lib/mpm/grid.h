@@ -1,5 +1,5 @@
-// The background grid: sums what particle blocks scattered, turns momentum into velocity, applies gravity, colliders
-// and walls. Only blocks of nodes that particles reach are touched.
+// The background grid: turns the momentum that particles brought into velocity, applies gravity, colliders and walls.
+// Only blocks of nodes that particles reach are touched.
 #ifndef PHYSMAS_MPM_GRID_H
 #define PHYSMAS_MPM_GRID_H
 
@@ -12,41 +12,70 @@
 #include "mpm/buffer.h"
 #include "mpm/collider.h"
 #include "mpm/energy_budget.h"
-#include "mpm/row.h"
+#include "mpm/grid_layout.h"
 #include "mpm/stepper.h"
 
 namespace physmas::mpm {
-
-// T numbers per arena; the last row of a stencil may be read four nodes further.
-constexpr size_t kArenaNumbers = 4 * kArenaNodes + 16;
 
 template <class T>
 class Grid {
  public:
   // setup and map outlive the grid.
-  Grid(const StepperSetup& setup, const BlockMap& map) : setup_(setup), map_(map), dx_(setup.domain.dx()) {
-    velocity_.resize(static_cast<size_t>(map.grid_block_count()) * kBlockNodes * 4);
+  Grid(const StepperSetup& setup, const BlockMap& map)
+      : layout(setup.domain.n + 1), setup_(setup), map_(map), dx_(setup.domain.dx()) {
+    velocity_.resize(layout.numbers());
+    momentum_.resize(layout.numbers());
+    if (setup.measure_steps) force_free_.resize(layout.numbers());
   }
+
+  const GridLayout layout;
 
   // After every sort.
   void prepare();
-  // The nodes of particle block `index` of the map, {m, m vx, m vy, m vz} each, to scatter into.
-  T* arena(int index) { return arenas_.data() + static_cast<size_t>(index) * kArenaNumbers; }
+  // {0, vx, vy, vz} of nodes, from the first node of a particle block on.
+  const T* velocity(const ParticleBlock& block) const { return velocity_.data() + offset(block.position); }
+  // {m, m vx, m vy, m vz} to add to. Zero before the first particle brings something.
+  T* momentum(const ParticleBlock& block) { return momentum_.data() + offset(block.position); }
   // The same without the momentum of the forces; when energy is measured.
-  T* force_free_arena(int index) { return force_free_.data() + static_cast<size_t>(index) * kArenaNumbers; }
-  // Copies the velocities that a block's particles reach now, {0, vx, vy, vz} per node, to arena places.
-  void load_velocities(const ParticleBlock& block, T* arena) const;
-  // Updates all active nodes; returns the largest velocity component [m/s]. energy: filled when measured.
+  T* force_free(const ParticleBlock& block) { return force_free_.data() + offset(block.position); }
+  // Brings part `part` of `parts` of the nodes that a block's particles reach into the cache.
+  void prefetch(const ParticleBlock& block, int part, int parts) const {
+    const int rows_y = block.high[1] - block.low[1] + 1, rows = (block.high[0] - block.low[0] + 1) * rows_y;
+    const size_t first = offset(block.position);
+    for (int r = rows * part / parts; r < rows * (part + 1) / parts; ++r) {
+      const size_t at = first + (block.low[0] + r / rows_y) * std::ptrdiff_t(layout.step_x()) +
+                        (block.low[1] + r % rows_y) * std::ptrdiff_t(layout.step_y());
+      for (int z = -1; z <= 1; ++z) {
+        if (z < 0 ? block.low[2] >= 0 : z > 0 && block.high[2] < kBlock) continue;
+        __builtin_prefetch(velocity_.data() + at + z * kRow, 0);
+        __builtin_prefetch(momentum_.data() + at + z * kRow, 1);
+      }
+    }
+  }
+  // Updates all active nodes and clears their momentum; returns the largest velocity component [m/s]. energy: filled
+  // when measured.
   double update(double dt, GridEnergy& energy);
+  // Clears all active nodes.
+  void clear();
   size_t bytes() const {
-    return (arenas_.size() + force_free_.size() + map_.grid_blocks.size() * kBlockNodes * 4) * sizeof(T);
+    return (setup_.measure_steps ? 3 : 2) * map_.grid_blocks.size() * kBlockNodes * 4 * sizeof(T);
   }
 
  private:
-  using R = Row<T>;
+  static constexpr int kRow = 4 * kBlock;  // numbers of a row of a block
 
+  size_t offset(const int* block) const {
+    return layout.offset(kBlock * block[0], kBlock * block[1], kBlock * block[2]);
+  }
+  // Calls function(row of the block, offset of its first number) for the rows of a block.
+  template <class Function>
+  void for_each_row(const GridBlock& block, const Function& function) const {
+    const size_t first = offset(block.position);
+    for (int r = 0; r < kBlock * kBlock; ++r) {
+      function(r, first + r / kBlock * layout.step_x() + r % kBlock * layout.step_y());
+    }
+  }
   bool near_obstacle(const GridBlock& block) const;
-  void collect(const GridBlock& block, const Buffer<T>& arenas, T* nodes) const;
   void apply_obstacles(const GridBlock& block, T* nodes) const;
   template <bool kMeasure>
   double update_block(int index, double dt);
@@ -54,8 +83,7 @@ class Grid {
   const StepperSetup& setup_;
   const BlockMap& map_;
   double dx_;
-  Buffer<T> velocity_;  // blocks of 4^3 nodes of {0, vx, vy, vz}
-  Buffer<T> arenas_, force_free_;
+  Buffer<T> velocity_, momentum_, force_free_;
   std::vector<std::uint8_t> obstacle_;  // per active block: a wall or collider may touch it
   std::vector<double> speed_;           // per active block: largest velocity component [m/s]
   std::vector<GridEnergy> energy_;      // per active block, when measured
@@ -63,12 +91,21 @@ class Grid {
 
 template <class T>
 void Grid<T>::prepare() {
-  arenas_.resize(map_.particle_blocks.size() * kArenaNumbers);
-  if (setup_.measure_steps) force_free_.resize(map_.particle_blocks.size() * kArenaNumbers);
   energy_.assign(map_.grid_blocks.size(), {});
   speed_.assign(map_.grid_blocks.size(), 0);
   obstacle_.assign(map_.grid_blocks.size(), 0);
   for (size_t b = 0; b < obstacle_.size(); ++b) obstacle_[b] = near_obstacle(map_.grid_blocks[b]);
+}
+
+template <class T>
+void Grid<T>::clear() {
+  for (const GridBlock& block : map_.grid_blocks) {
+    for_each_row(block, [&](int, size_t at) {
+      for (Buffer<T>* numbers : {&velocity_, &momentum_, &force_free_}) {
+        if (numbers->size() > 0) std::memset(numbers->data() + at, 0, kRow * sizeof(T));
+      }
+    });
+  }
 }
 
 template <class T>
@@ -85,43 +122,6 @@ bool Grid<T>::near_obstacle(const GridBlock& block) const {
     if (locate(c, center).distance <= reach) return true;
   }
   return false;
-}
-
-// Sums the arenas that reach a block of nodes in the order of the particle blocks.
-template <class T>
-void Grid<T>::collect(const GridBlock& block, const Buffer<T>& arenas, T* nodes) const {
-  typedef T Node __attribute__((vector_size(4 * sizeof(T))));
-  for (int k = block.parts_begin; k < block.parts_end; ++k) {
-    const ArenaPart& part = map_.parts[k];
-    const ParticleBlock& source = map_.particle_blocks[part.arena];
-    int low[3], high[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::max<int>(part.low[axis], source.now_low[axis] - part.offset[axis]);
-      high[axis] = std::min<int>(part.high[axis], source.now_high[axis] - part.offset[axis]);
-    }
-    if (low[2] > high[2]) continue;
-    const T* arena = arenas.data() + static_cast<size_t>(part.arena) * kArenaNumbers;
-    const int z = part.offset[2];
-    const bool whole = z == 1;
-    for (int x = low[0]; x <= high[0]; ++x) {
-      for (int y = low[1]; y <= high[1]; ++y) {
-        const T* from = arena + 4 * (((x + part.offset[0]) * kArena + y + part.offset[1]) * kArena + z);
-        T* to = nodes + 4 * kBlock * (kBlock * x + y);
-        if (whole) {
-          // All four nodes lie in the arena, zero where nothing came.
-          (R::load(to) + R::load(from)).store(to);
-          continue;
-        }
-        for (int node = low[2]; node <= high[2]; ++node) {
-          Node a, b;
-          std::memcpy(&a, to + 4 * node, sizeof(a));
-          std::memcpy(&b, from + 4 * node, sizeof(b));
-          a += b;
-          std::memcpy(to + 4 * node, &a, sizeof(a));
-        }
-      }
-    }
-  }
 }
 
 template <class T>
@@ -147,10 +147,16 @@ template <bool kMeasure>
 double Grid<T>::update_block(int index, double dt) {
   const GridBlock& block = map_.grid_blocks[index];
   typedef T Node __attribute__((vector_size(4 * sizeof(T))));
-  alignas(64) T nodes[4 * kBlockNodes] = {};
-  alignas(64) T arrived[kMeasure ? 4 * kBlockNodes : 1] = {}, free[kMeasure ? 4 * kBlockNodes : 1];
-  collect(block, arenas_, nodes);
-  if constexpr (kMeasure) collect(block, force_free_, arrived);
+  alignas(64) T nodes[4 * kBlockNodes];
+  alignas(64) T arrived[kMeasure ? 4 * kBlockNodes : 1], free[kMeasure ? 4 * kBlockNodes : 1];
+  const auto take = [](T* from, T* to) {
+    std::memcpy(to, from, kRow * sizeof(T));
+    std::memset(from, 0, kRow * sizeof(T));
+  };
+  for_each_row(block, [&](int r, size_t at) {
+    take(momentum_.data() + at, nodes + kRow * r);
+    if constexpr (kMeasure) take(force_free_.data() + at, arrived + kRow * r);
+  });
   const Vec3d& g = setup_.domain.gravity;
   const Node fall = {T(0), T(dt * g.x), T(dt * g.y), T(dt * g.z)};
   Node largest = {};
@@ -178,7 +184,8 @@ double Grid<T>::update_block(int index, double dt) {
       see(u);
     }
   }
-  std::memcpy(velocity_.data() + static_cast<size_t>(block.id) * kBlockNodes * 4, nodes, sizeof(nodes));
+  for_each_row(block,
+               [&](int r, size_t at) { std::memcpy(velocity_.data() + at, nodes + kRow * r, kRow * sizeof(T)); });
   if constexpr (kMeasure) {
     energy_[index] = {};
     for (int i = 0; i < kBlockNodes; ++i) measure_node(arrived + 4 * i, free + 4 * i, nodes + 4 * i, energy_[index]);
@@ -201,24 +208,6 @@ double Grid<T>::update(double dt, GridEnergy& energy) {
   double speed = 0;
   for (const double s : speed_) speed = std::max(speed, s);
   return speed;
-}
-
-template <class T>
-void Grid<T>::load_velocities(const ParticleBlock& block, T* arena) const {
-  for (int x = block.now_low[0]; x <= block.now_high[0]; ++x) {
-    for (int y = block.now_low[1]; y <= block.now_high[1]; ++y) {
-      // Arena node a is node (a + 3) % 4 of neighbour (a + 3) / 4 - 1.
-      const int id = block.id + ((x + 3) / 4 - 1) * map_.id_stride(0) + ((y + 3) / 4 - 1) * map_.id_stride(1);
-      const T* from = velocity_.data() + static_cast<size_t>(id) * kBlockNodes * 4 +
-                      4 * kBlock * (kBlock * ((x + 3) % 4) + (y + 3) % 4);
-      T* to = arena + 4 * kArena * (kArena * x + y);
-      std::memcpy(to, from - 4 * kBlockNodes + 12, 4 * sizeof(T));
-      std::memcpy(to + 4, from, 16 * sizeof(T));
-      std::memcpy(to + 20, from + 4 * kBlockNodes, 12 * sizeof(T));
-    }
-    // The fourth node of a row is read with weight zero, also beyond the last row.
-    std::memset(arena + 4 * kArena * (kArena * x + block.now_high[1] + 1), 0, 4 * sizeof(T));
-  }
 }
 
 }  // namespace physmas::mpm

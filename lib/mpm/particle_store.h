@@ -1,8 +1,10 @@
 // The particles of a run in the order and precision that the substep works with.
 //
-// Slots are sorted by block, in a block by row, so that nearly all lanes of a register share a branch, and then by
-// cell, so that neighbours share nodes. Every block begins with a new register. Positions are in cells from the block's
-// first node, which makes float positions eight to sixteen times finer than absolute ones.
+// Slots are sorted by block. A block begins with registers that are columns: four particles of one row in each of some
+// cells that are neighbours along z (column_transfer.h), where a cell has that many. What is left follows by row, so
+// that nearly all lanes of a register share a branch, and then by cell, so that neighbours share nodes. Every block
+// begins with a new register. Positions are in cells from the block's first node, which makes float positions eight to
+// sixteen times finer than absolute ones.
 #ifndef PHYSMAS_MPM_PARTICLE_STORE_H
 #define PHYSMAS_MPM_PARTICLE_STORE_H
 
@@ -13,7 +15,7 @@
 
 #include "mpm/blocks.h"
 #include "mpm/buffer.h"
-#include "mpm/lanes.h"
+#include "mpm/grid_exchange.h"
 #include "mpm/stepper.h"
 
 namespace physmas::mpm {
@@ -46,30 +48,49 @@ class ParticleStore {
   Buffer<int> particle;                        // the callers' index, -1: empty slot
   Channel v[3], C[9];                          // m/s, 1/s; valid after load and after the last pass of an interval
   std::vector<int> group_row;                  // row of all lanes of a group of W slots, -1 when mixed
+  std::vector<LaneBits> group_lanes;           // which of its lanes hold particles
+  std::vector<int> group_column;               // the block's cell that is the column's lowest, -1: not a column
   std::vector<std::uint8_t> group_controlled;  // whether any lane of the group is in a control group
   bool has_strength = false;
 
   int slots() const { return slots_; }
-  // Brings the numbers of a register of slots into the cache.
+  // The numbers of a register of slots, W per channel: x, F, volume, then the optional ones.
+  static constexpr int kDeformation = 3, kVolume = 12;
+  PHYSMAS_INLINE T* numbers(int group) { return numbers_.data() + static_cast<size_t>(group) * channels_ * W; }
+  // Brings them into the cache.
   PHYSMAS_INLINE void prefetch(int group) const {
-    const T* at = x[0].first + group * x[0].step;
+    const T* at = numbers_.data() + static_cast<size_t>(group) * channels_ * W;
     for (int c = 0; c < channels_; ++c) __builtin_prefetch(at + c * W, 1);
   }
   size_t bytes() const;
 
  private:
-  // A particle on its way to its new block: the old slot (load: the particle), its cell there, and the old block's
-  // place relative to the new one, 0..26.
+  // A particle on its way to its new block: the old slot (load: the particle), its row, its cell there, and the old
+  // block's place relative to the new one, 0..26.
   struct Arrival {
-    int source;
+    int source, row;
     std::uint8_t cell, shift;
   };
   static constexpr int kStay = 13;
+  // A register becomes a column from so many particles on: each empty lane costs its share of the stress.
+  static constexpr int kLeastFilled = W - W / 8;
 
-  int row_of(int i) const { return setup_.row[i]; }
-  void place(bool from_slots);
+  // What the slots of a block will hold: indices into arrivals_, -1: nothing. And the columns of its registers.
+  struct Layout {
+    std::vector<int> from, column;
+  };
+
+  void place();
+  void lay_out(ParticleBlock& block, Layout& layout) const;
+  // Where an empty slot's particle rests [cells]: inside its cell of a column, so that it does not stray.
+  T rest(int slot, int axis) const {
+    const int column = group_column[slot / W];
+    if (column < 0) return T(2);
+    const int cell = column + slot % W / kColumnSlots;
+    return T(1 + (axis == 0 ? cell / (kBlock * kBlock) : axis == 1 ? cell / kBlock % kBlock : cell % kBlock));
+  }
   void bind();
-  void describe_groups(const ParticleBlock& block);
+  void describe(int group);
   // Calls function(channel, what an empty slot holds).
   template <class Function>
   void for_each_channel(const Function& function) {
@@ -83,9 +104,17 @@ class ParticleStore {
   const StepperSetup& setup_;
   double dx_, safe_cells_;
   int slots_ = 0;
+  bool has_controls_ = false;
   std::vector<Arrival> arrivals_;  // in the order of the blocks
-  std::vector<int> from_;          // per slot: index into arrivals_, -1 for an empty one
+  // Where particles go in a sort: the cell in the new block, and which block that is.
+  struct Departure {
+    std::uint8_t cell, code;
+  };
+  std::vector<Departure> departures_;  // per slot
+  std::vector<Layout> layouts_;        // per block
+  std::vector<int> from_;              // per slot: index into arrivals_, -1 for an empty one
   int channels_ = 0;
+  std::vector<T> empty_;  // the numbers of a register of empty slots
   // What lives from substep to substep; and where sorting puts it, which between intervals keeps v and C instead.
   Buffer<T> numbers_, other_;
   Buffer<int> spare_particle_;
@@ -95,7 +124,11 @@ template <class T>
 ParticleStore<T>::ParticleStore(const StepperSetup& setup, double safe_cells)
     : map(setup.domain.n + 1), setup_(setup), dx_(setup.domain.dx()), safe_cells_(safe_cells) {
   for (const int row : setup.row) has_strength = has_strength || setup.branches[row] == Branch::plasticine;
-  for_each_channel([&](Channel&, T) { ++channels_; });
+  for (const std::uint16_t group : setup.control_group) has_controls_ = has_controls_ || group != 0;
+  for_each_channel([&](Channel&, T empty) {
+    empty_.insert(empty_.end(), W, empty);
+    ++channels_;
+  });
 }
 
 namespace store_detail {
@@ -136,8 +169,8 @@ long long ParticleStore<T>::load(const State& state) {
     first += block.count;
   }
   arrivals_.resize(count);
-  for (int i = 0; i < count; ++i) arrivals_[next[map.index_of(id[i])]++] = {i, cell[i], kStay};
-  place(false);
+  for (int i = 0; i < count; ++i) arrivals_[next[map.index_of(id[i])]++] = {i, setup_.row[i], cell[i], kStay};
+  place();
 
   numbers_.resize(static_cast<size_t>(slots_) * channels_);
   other_.resize(static_cast<size_t>(slots_) * channels_);
@@ -152,7 +185,7 @@ long long ParticleStore<T>::load(const State& state) {
       volume[s] = real ? T(setup_.volume[i]) : T(0);
       if (has_strength) strength[s] = real ? T(state.strength[i]) : T(1);
       for (int a = 0; a < 3; ++a) {
-        x[a][s] = real ? T(cells_at(i, a) - kBlock * block.position[a]) : T(2);
+        x[a][s] = real ? T(cells_at(i, a) - kBlock * block.position[a]) : rest(s, a);
         v[a][s] = real ? T(state.v[i][a]) : T(0);
       }
       for (int k = 0; k < 9; ++k) {
@@ -161,7 +194,7 @@ long long ParticleStore<T>::load(const State& state) {
         if (setup_.track_total_F) total_F[k][s] = real ? T(state.total_F[i][k / 3][k % 3]) : T(k % 4 == 0);
       }
     }
-    describe_groups(block);
+    for (int g = block.begin / W; g < (block.begin + block.slots) / W; ++g) describe(g);
   });
   return clamped;
 }
@@ -187,66 +220,112 @@ void ParticleStore<T>::store(State& state) const {
   });
 }
 
-// From arrivals_ and the blocks' counts: the order inside the blocks, slots, and where each slot's particle comes from.
+// From arrivals_ and the blocks' counts: slots, and where each slot's particle comes from.
 template <class T>
-void ParticleStore<T>::place(bool from_slots) {
+void ParticleStore<T>::place() {
+  const int blocks = static_cast<int>(map.particle_blocks.size());
+  layouts_.resize(blocks);
+  setup_.team->for_each(blocks, [&](int b) { lay_out(map.particle_blocks[b], layouts_[b]); });
   slots_ = 0;
   for (ParticleBlock& block : map.particle_blocks) {
     block.begin = slots_;
-    block.slots = (block.count + W - 1) / W * W;
     slots_ += block.slots;
   }
-  from_.assign(slots_, -1);
+  from_.resize(slots_);
   group_row.assign(slots_ / W, -1);
   group_controlled.assign(slots_ / W, 0);
-  setup_.team->for_each(static_cast<int>(map.particle_blocks.size()), [&](int b) {
-    ParticleBlock& block = map.particle_blocks[b];
-    int low[3] = {kBlock, kBlock, kBlock}, high[3] = {};  // of the base nodes
-    int next[kBlockNodes + 1] = {};
-    bool mixed = false;
-    const auto arrival_row = [&](int k) {
-      return row_of(from_slots ? particle[arrivals_[k].source] : arrivals_[k].source);
-    };
-    const int row = arrival_row(block.first);
-    for (int k = block.first; k < block.first + block.count; ++k) {
-      const int cell = arrivals_[k].cell;
-      ++next[cell + 1];
-      mixed = mixed || arrival_row(k) != row;
-      const int base[3] = {cell / (kBlock * kBlock), cell / kBlock % kBlock, cell % kBlock};
-      for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], base[axis]);
-        high[axis] = std::max(high[axis], base[axis]);
-      }
-    }
-    for (int c = 0; c < kBlockNodes; ++c) next[c + 1] += next[c];
-    int* const from = from_.data() + block.begin;
-    for (int k = block.first; k < block.first + block.count; ++k) from[next[arrivals_[k].cell]++] = k;
-    if (mixed) {
-      std::stable_sort(from, from + block.count, [&](int k, int l) { return arrival_row(k) < arrival_row(l); });
-    }
-    for (int axis = 0; axis < 3; ++axis) {
-      // Arena node of the base is base + 1; two further nodes of the stencil; a cell of drift either way.
-      block.now_low[axis] = static_cast<std::int8_t>(low[axis] + 1);
-      block.now_high[axis] = static_cast<std::int8_t>(high[axis] + 3);
-      block.low[axis] = static_cast<std::int8_t>(low[axis]);
-      block.high[axis] = static_cast<std::int8_t>(high[axis] + 4);
-    }
+  group_lanes.assign(slots_ / W, 0);
+  group_column.resize(slots_ / W);
+  setup_.team->for_each(blocks, [&](int b) {
+    const int begin = map.particle_blocks[b].begin;
+    std::copy(layouts_[b].from.begin(), layouts_[b].from.end(), from_.begin() + begin);
+    std::copy(layouts_[b].column.begin(), layouts_[b].column.end(), group_column.begin() + begin / W);
   });
-  map.connect();
+  map.connect(setup_.team->threads());
 }
 
+// The order of a block's particles and its reach.
 template <class T>
-void ParticleStore<T>::describe_groups(const ParticleBlock& block) {
-  for (int g = block.begin / W; g < (block.begin + block.slots) / W; ++g) {
-    int row = row_of(particle[g * W]);
-    for (int l = 0; l < W; ++l) {
-      const int i = particle[g * W + l];
-      if (i < 0) continue;
-      if (row_of(i) != row) row = -1;
-      group_controlled[g] |= setup_.control_group[i] != 0;
+void ParticleStore<T>::lay_out(ParticleBlock& block, Layout& layout) const {
+  int low[3] = {kBlock, kBlock, kBlock}, high[3] = {};  // of the base nodes
+  int next[kBlockNodes + 1] = {};
+  bool mixed = false;
+  const int row = arrivals_[block.first].row;
+  const int end = block.first + block.count;
+  for (int k = block.first; k < end; ++k) {
+    const int cell = arrivals_[k].cell;
+    ++next[cell + 1];
+    mixed = mixed || arrivals_[k].row != row;
+    const int base[3] = {cell / (kBlock * kBlock), cell / kBlock % kBlock, cell % kBlock};
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], base[axis]);
+      high[axis] = std::max(high[axis], base[axis]);
     }
-    group_row[g] = row;
   }
+  for (int axis = 0; axis < 3; ++axis) {
+    // Two further nodes of the stencil; a cell of drift either way.
+    block.low[axis] = static_cast<std::int8_t>(low[axis] - 1);
+    block.high[axis] = static_cast<std::int8_t>(high[axis] + 3);
+  }
+  for (int c = 0; c < kBlockNodes; ++c) next[c + 1] += next[c];
+  std::vector<int> order(block.count);
+  for (int k = block.first; k < end; ++k) order[next[arrivals_[k].cell]++] = k;
+  if (mixed) {
+    std::stable_sort(order.begin(), order.end(), [&](int k, int l) { return arrivals_[k].row < arrivals_[l].row; });
+  }
+
+  layout.from.clear();
+  layout.column.clear();
+  std::vector<int> loose;
+  if constexpr (kColumnCells<T> >= 2) {
+    constexpr int kCells = kColumnCells<T>;
+    for (int at = 0; at < block.count;) {
+      // The particles of one row in the cells of one column.
+      const int column = arrivals_[order[at]].cell / kCells, row_here = arrivals_[order[at]].row;
+      int begin[kCells], count[kCells] = {};
+      for (; at < block.count; ++at) {
+        const int cell = arrivals_[order[at]].cell;
+        if (cell / kCells != column || (mixed && arrivals_[order[at]].row != row_here)) break;
+        if (count[cell % kCells]++ == 0) begin[cell % kCells] = at;
+      }
+      while (true) {
+        int filled = 0;
+        for (const int c : count) filled += std::min(c, kColumnSlots);
+        if (filled < kLeastFilled) break;
+        for (int z = 0; z < kCells; ++z) {
+          const int taken = std::min(count[z], kColumnSlots);
+          for (int s = 0; s < kColumnSlots; ++s) layout.from.push_back(s < taken ? order[begin[z]++] : -1);
+          count[z] -= taken;
+        }
+        layout.column.push_back(column * kCells);
+      }
+      for (int z = 0; z < kCells; ++z) {
+        for (; count[z] > 0; --count[z]) loose.push_back(order[begin[z]++]);
+      }
+    }
+  } else {
+    loose = std::move(order);
+  }
+  layout.from.insert(layout.from.end(), loose.begin(), loose.end());
+  block.slots = static_cast<int>(layout.from.size() + W - 1) / W * W;
+  layout.from.resize(block.slots, -1);
+  layout.column.resize(block.slots / W, -1);
+}
+
+// From from_ and particle: what the lanes of a group have in common.
+template <class T>
+void ParticleStore<T>::describe(int group) {
+  int row = -1;
+  bool mixed = false;
+  for (int s = group * W; s < group * W + W; ++s) {
+    if (from_[s] < 0) continue;
+    const int row_here = arrivals_[from_[s]].row;
+    mixed = mixed || (group_lanes[group] != 0 && row_here != row);
+    row = row_here;
+    group_lanes[group] |= LaneBits(1) << s % W;
+    if (has_controls_) group_controlled[group] |= setup_.control_group[particle[s]] != 0;
+  }
+  group_row[group] = mixed ? -1 : row;
 }
 
 template <class T>
@@ -254,24 +333,27 @@ void ParticleStore<T>::sort() {
   const std::vector<ParticleBlock> old = map.particle_blocks;
   const int blocks = static_cast<int>(old.size());
   // Particles drift by less than a cell between sorts, so each goes to one of 27 blocks.
-  struct Step {
-    std::uint8_t cell, code;
-  };
-  std::vector<Step> step(slots_);
+  departures_.resize(slots_);
   std::vector<std::array<int, 27>> leaving(blocks);
   setup_.team->for_each(blocks, [&](int b) {
     leaving[b] = {};
-    for (int s = old[b].begin; s < old[b].begin + old[b].slots; ++s) {
-      if (particle[s] < 0) continue;
-      int inside[3], code = 0;
+    for (int group = old[b].begin / W; group < (old[b].begin + old[b].slots) / W; ++group) {
+      using V = Lanes<T>;
+      V cell(T(0)), code(T(0));
       for (int axis = 0; axis < 3; ++axis) {
-        const T base = at_most(at_least(std::floor(x[axis][s] - T(0.5)), T(-1)), T(kBlock));
-        const int node = static_cast<int>(base) + kBlock;
-        inside[axis] = node % kBlock;
-        code = 3 * code + node / kBlock;
+        const V x_here(numbers(group) + axis * W, stdx::vector_aligned);
+        const V base = at_most(at_least(round_down(x_here - T(0.5)), V(T(-1))), V(T(kBlock)));
+        const V block = select(base < V(T(0)), V(T(0)), select(base < V(T(kBlock)), V(T(1)), V(T(2))));
+        cell = cell * T(kBlock) + (base - T(kBlock) * (block - T(1)));
+        code = code * T(3) + block;
       }
-      step[s] = {static_cast<std::uint8_t>(store_detail::cell_index(inside)), static_cast<std::uint8_t>(code)};
-      ++leaving[b][code];
+      alignas(64) T cells[W], codes[W];
+      cell.copy_to(cells, stdx::vector_aligned);
+      code.copy_to(codes, stdx::vector_aligned);
+      for (int l = 0; l < W; ++l) {
+        departures_[group * W + l] = {static_cast<std::uint8_t>(cells[l]), static_cast<std::uint8_t>(codes[l])};
+        leaving[b][static_cast<int>(codes[l])] += group_lanes[group] >> l & 1;
+      }
     }
   });
   const auto target = [&](int b, int code) {
@@ -309,43 +391,50 @@ void ParticleStore<T>::sort() {
   arrivals_.resize(setup_.row.size());
   setup_.team->for_each(blocks, [&](int b) {
     for (int s = old[b].begin; s < old[b].begin + old[b].slots; ++s) {
-      if (particle[s] >= 0) arrivals_[leaving[b][step[s].code]++] = {s, step[s].cell, step[s].code};
+      if (particle[s] < 0) continue;
+      const Departure& d = departures_[s];
+      const int common = group_row[s / W];
+      arrivals_[leaving[b][d.code]++] = {s, common >= 0 ? common : setup_.row[particle[s]], d.cell, d.code};
     }
   });
-  place(true);
+  place();
 
   spare_particle_.resize(slots_);
   other_.resize(static_cast<size_t>(slots_) * channels_);
   const int now = static_cast<int>(map.particle_blocks.size());
+  const size_t step = static_cast<size_t>(channels_) * W;
   setup_.team->for_each(now, [&](int b) {
     const ParticleBlock& block = map.particle_blocks[b];
-    for (int s = block.begin; s < block.begin + block.slots; ++s) {
-      spare_particle_[s] = from_[s] >= 0 ? particle[arrivals_[from_[s]].source] : -1;
+    for (int group = block.begin / W; group < (block.begin + block.slots) / W; ++group) {
+      const T* from[W];
+      for (int l = 0; l < W; ++l) {
+        const int arrival = from_[group * W + l];
+        const unsigned slot = arrival >= 0 ? arrivals_[arrival].source : l;
+        from[l] = arrival >= 0 ? numbers_.data() + slot / W * step + slot % W : empty_.data() + l;
+        spare_particle_[group * W + l] = arrival >= 0 ? particle[slot] : -1;
+      }
+      T* const to = other_.data() + group * step;
+      for (int c = 0; c < channels_; ++c) {
+        for (int l = 0; l < W; ++l) to[c * W + l] = from[l][c * W];
+      }
+      for (int l = 0; l < W; ++l) {
+        const int arrival = from_[group * W + l], code = arrival >= 0 ? arrivals_[arrival].shift : kStay;
+        // From the old block's origin to the new one's: a whole number of cells.
+        const int moved[3] = {code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1};
+        for (int axis = 0; axis < 3; ++axis) {
+          T& x_here = to[axis * W + l];
+          x_here = arrival >= 0 ? x_here - T(kBlock * moved[axis]) : rest(group * W + l, axis);
+        }
+      }
     }
   });
   particle.swap(spare_particle_);
-  setup_.team->for_each(now, [&](int b) {
-    const ParticleBlock& block = map.particle_blocks[b];
-    T* to = other_.data() + static_cast<size_t>(block.begin) * channels_;
-    for (int group = block.begin; group < block.begin + block.slots; group += W) {
-      for_each_channel([&](const Channel& c, T empty) {
-        for (int s = group; s < group + W; ++s) *to++ = from_[s] >= 0 ? c[arrivals_[from_[s]].source] : empty;
-      });
-    }
-  });
   numbers_.swap(other_);
   other_.resize(static_cast<size_t>(slots_) * channels_);
   bind();
   setup_.team->for_each(now, [&](int b) {
     const ParticleBlock& block = map.particle_blocks[b];
-    for (int s = block.begin; s < block.begin + block.slots; ++s) {
-      if (from_[s] < 0) continue;
-      // From the old block's origin to the new one's: a whole number of cells.
-      const int code = arrivals_[from_[s]].shift;
-      const int moved[3] = {code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1};
-      for (int axis = 0; axis < 3; ++axis) x[axis][s] -= T(kBlock * moved[axis]);
-    }
-    describe_groups(block);
+    for (int g = block.begin / W; g < (block.begin + block.slots) / W; ++g) describe(g);
   });
 }
 

@@ -1,12 +1,17 @@
-// Transfers of one particle, vectorised over the nodes of its stencil: for particles whose neighbours in the register
-// are anywhere in the block. patch.h has the transfers of densely filled cells.
+// Transfers of one particle, vectorised over the nodes of its stencil.
 #ifndef PHYSMAS_MPM_ROW_TRANSFER_H
 #define PHYSMAS_MPM_ROW_TRANSFER_H
 
-#include "mpm/blocks.h"
+#include <cstddef>
+
 #include "mpm/row.h"
 
 namespace physmas::mpm {
+
+// Numbers from a row of nodes to its neighbour along x and y.
+struct RowSteps {
+  std::ptrdiff_t x, y;
+};
 
 // Nine rows of one particle's stencil, contracted one axis at a time. Results: velocity and the first moments
 // Σ w v (node − centre node) along x, y and z in cells, four numbers each, the first of them without meaning.
@@ -23,13 +28,14 @@ PHYSMAS_INLINE Row<T> z_steps() {
 }
 
 template <class T>
-PHYSMAS_INLINE void gather_particle(const T* corner, const T* wx, const T* wy, const T* wz, T* out) {
+PHYSMAS_INLINE void gather_particle(const T* corner, const RowSteps& step, const T* wx, const T* wy, const T* wz,
+                                    T* out) {
   using R = Row<T>;
   R sum[3], slope[3];
   for (int i = 0; i < 3; ++i) {
-    const T* row = corner + 4 * kArena * kArena * i;
-    const R low = rounded(wy[0] * R::load(row)), last = R::load(row + 8 * kArena);
-    sum[i] = wy[2] * last + (wy[1] * R::load(row + 4 * kArena) + low);
+    const T* row = corner + i * step.x;
+    const R low = rounded(wy[0] * R::load(row)), last = R::load(row + 2 * step.y);
+    sum[i] = wy[2] * last + (wy[1] * R::load(row + step.y) + low);
     slope[i] = wy[2] * last - low;
   }
   const R low = rounded(wx[0] * sum[0]);
@@ -60,11 +66,11 @@ PHYSMAS_INLINE void scatter_particle(Row<T>* sum, const T* wx, const T* wy, cons
 }
 
 template <class T>
-PHYSMAS_INLINE void flush_rows(Row<T>* sum, T* corner) {
+PHYSMAS_INLINE void flush_rows(Row<T>* sum, T* corner, const RowSteps& step) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      T* row = corner + 4 * kArena * (kArena * i + j);
-      (Row<T>::load(row) + sum[3 * i + j]).store(row);
+      T* row = corner + i * step.x + j * step.y;
+      (Row<T>::load(row) + sum[3 * i + j]).store_three_nodes(row);
       sum[3 * i + j] = Row<T>::zero();
     }
   }

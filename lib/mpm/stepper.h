@@ -62,7 +62,7 @@ class Stepper {
   virtual StepReport advance(int steps, double dt, const ControlSource& controls, double energy_limit) = 0;
 
   virtual int active_grid_blocks() const = 0;
-  // Memory of the particles, and of the active grid nodes with their arenas, in the solver's own order and precision.
+  // Memory of the particles, and of the active grid nodes, in the solver's own order and precision.
   virtual size_t particle_bytes() const = 0;
   virtual size_t grid_bytes() const = 0;
 };

@@ -1,5 +1,7 @@
 #include "mpm/team.h"
 
+#include <algorithm>
+
 namespace physmas::mpm {
 
 namespace {
@@ -8,7 +10,9 @@ namespace {
 constexpr int kBusyRounds = 1000;
 constexpr int kYieldRounds = 50;
 
-void pause(int round) {
+}  // namespace
+
+void Team::pause(int round) {
   if (round >= kBusyRounds) {
     std::this_thread::yield();
     return;
@@ -18,10 +22,8 @@ void pause(int round) {
 #endif
 }
 
-}  // namespace
-
-Team::Team(int threads) {
-  for (int i = 1; i < threads; ++i) workers_.emplace_back([this] { serve(); });
+Team::Team(int threads) : ranges_(std::max(1, threads)) {
+  for (int i = 1; i < threads; ++i) workers_.emplace_back([this, i] { serve(i); });
 }
 
 Team::~Team() {
@@ -33,42 +35,59 @@ Team::~Team() {
   for (std::thread& worker : workers_) worker.join();
 }
 
-bool Team::take_one() {
-  std::uint64_t ticket = ticket_.load();
-  const auto index = static_cast<std::uint32_t>(ticket);
-  const int count = count_.load();
-  const Call call = call_.load();
-  const void* context = context_.load();
-  if (index >= static_cast<std::uint32_t>(count)) return false;
-  // Success means that no other job was opened since the ticket was read, so the fields above belong to it.
-  if (ticket_.compare_exchange_strong(ticket, ticket + 1)) {
-    call(context, static_cast<int>(index));
-    done_.fetch_add(1);
-  }
-  return true;
+std::vector<int> Team::even_ranges(int count, int ranges) {
+  std::vector<int> bounds(ranges + 1);
+  for (int t = 0; t <= ranges; ++t) bounds[t] = static_cast<int>(static_cast<long long>(count) * t / ranges);
+  return bounds;
 }
 
-void Team::share(int count, Call call, const void* context) {
-  const std::uint64_t job = ((ticket_.load() >> 32) + 1) << 32;
-  ticket_.store(job | kClosed);  // nobody can claim while the fields change
-  count_.store(count);
+bool Team::take_one(int thread) {
+  // Only in the job that is announced: a call may wait for one that only the thread of another range will make, which
+  // must not be caught in a later call of this range because it found its own one still closed or of the job before.
+  const std::uint64_t job = announced_.load();
+  for (size_t k = 0; k < ranges_.size(); ++k) {
+    Range& range = ranges_[(thread + k) % ranges_.size()];
+    std::uint64_t ticket = range.ticket.load();
+    const auto index = static_cast<std::uint32_t>(ticket);
+    const int end = range.end.load();
+    const Call call = call_.load();
+    const void* context = context_.load();
+    if (ticket >> 32 != job) return false;
+    if (index >= static_cast<std::uint32_t>(end)) continue;
+    // Success means that no other job was opened since the ticket was read, so the fields above belong to it.
+    if (range.ticket.compare_exchange_strong(ticket, ticket + 1)) {
+      call(context, static_cast<int>(index));
+      done_.fetch_add(1);
+    }
+    return true;
+  }
+  return false;
+}
+
+void Team::share(const std::vector<int>& bounds, Call call, const void* context) {
+  const std::uint64_t job = ++job_ << 32;
+  // Nobody can claim while the fields change.
+  for (Range& range : ranges_) range.ticket.store(job | kClosed);
   done_.store(0);
   call_.store(call);
   context_.store(context);
-  ticket_.store(job);
+  for (size_t t = 0; t < ranges_.size(); ++t) ranges_[t].end.store(bounds[t + 1]);
+  for (size_t t = 0; t < ranges_.size(); ++t) ranges_[t].ticket.store(job | static_cast<std::uint32_t>(bounds[t]));
+  announced_.store(job_);
   if (sleeping_.load() > 0) {
     const std::lock_guard<std::mutex> lock(mutex_);
     wake_.notify_all();
   }
-  while (take_one()) {
+  while (take_one(0)) {
   }
-  for (int round = 0; done_.load() < count; ++round) pause(round);
+  for (int round = 0; done_.load() < bounds.back(); ++round) pause(round);
 }
 
-void Team::serve() {
+void Team::serve(int thread) {
   int round = 0;
   while (!ending_.load()) {
-    if (take_one()) {
+    const std::uint64_t seen = announced_.load();
+    if (take_one(thread)) {
       round = 0;
       continue;
     }
@@ -77,15 +96,9 @@ void Team::serve() {
       continue;
     }
     std::unique_lock<std::mutex> lock(mutex_);
-    const std::uint64_t job = ticket_.load() >> 32;
     sleeping_.fetch_add(1);
-    // A job opened before the count of sleepers rose is not announced: the condition is checked before the first wait.
-    // One that is over by the time this thread wakes ends the sleep as well: where there was one job, the next is near.
-    wake_.wait(lock, [&] {
-      const std::uint64_t ticket = ticket_.load();
-      return ending_.load() || ticket >> 32 != job ||
-             static_cast<std::uint32_t>(ticket) < static_cast<std::uint32_t>(count_.load());
-    });
+    // A job announced before the count of sleepers rose wakes nobody: the condition is checked before the first wait.
+    wake_.wait(lock, [&] { return ending_.load() || announced_.load() != seen; });
     sleeping_.fetch_sub(1);
     round = 0;
   }

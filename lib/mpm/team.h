@@ -22,28 +22,46 @@ class Team {
 
   int threads() const { return static_cast<int>(workers_.size()) + 1; }
 
-  // Calls work(i) once for every i in 0..count-1, on any thread and in any order, and returns when all calls have.
-  // Called by one thread at a time; `work` must not throw.
+  // Calls work(i) once for every i in 0..count-1, on any thread, and returns when all calls have. Called by one thread
+  // at a time; `work` must not throw. Every thread begins with a range of its own, the same for the same count, so that
+  // what it touched is still in its cache when neighbouring i mean neighbouring memory.
   template <class Work>
   void for_each(int count, const Work& work) {
-    if (workers_.empty() || count <= 1) {
-      for (int i = 0; i < count; ++i) work(i);
+    for_each(even_ranges(count, threads()), work);
+  }
+  // The same with the threads' ranges given: bounds[t] to bounds[t + 1] - 1, threads() of them. Every range is worked
+  // off in ascending order, and by its own thread unless another one has run out of work; a first range that has
+  // everything is left to the calling thread.
+  template <class Work>
+  void for_each(const std::vector<int>& bounds, const Work& work) {
+    if (workers_.empty() || bounds.back() <= 1 || bounds[1] == bounds.back()) {
+      for (int i = 0; i < bounds.back(); ++i) work(i);
       return;
     }
     share(
-        count, [](const void* context, int i) { (*static_cast<const Work*>(context))(i); }, &work);
+        bounds, [](const void* context, int i) { (*static_cast<const Work*>(context))(i); }, &work);
   }
+  static std::vector<int> even_ranges(int count, int ranges);
+
+  // One round, counted from 0, of waiting for another thread.
+  static void pause(int round);
 
  private:
   using Call = void (*)(const void* context, int i);
-  void share(int count, Call call, const void* context);
-  bool take_one();
-  void serve();
+  void share(const std::vector<int>& bounds, Call call, const void* context);
+  bool take_one(int thread);
+  void serve(int thread);
 
-  // (job number << 32) | next index. An index is claimed by a compare-and-swap on the whole word, so that a thread that
-  // comes late can never take part in another job than the one whose fields it has read.
-  std::atomic<std::uint64_t> ticket_{kClosed};
-  std::atomic<int> count_{0}, done_{0};
+  // One per range: (job number << 32) | next index. An index is claimed by a compare-and-swap on the whole word, so
+  // that a thread that comes late can never take part in another job than the one whose fields it has read.
+  struct alignas(64) Range {
+    std::atomic<std::uint64_t> ticket{kClosed};
+    std::atomic<int> end{0};
+  };
+  std::vector<Range> ranges_;
+  std::uint64_t job_ = 0;  // of the calling thread
+  std::atomic<std::uint64_t> announced_{0};
+  std::atomic<int> done_{0};
   std::atomic<Call> call_{nullptr};
   std::atomic<const void*> context_{nullptr};
 

@@ -84,7 +84,8 @@ TEST_CASE("mpm determinism: the same bytes for 1, 2 and 3 threads, with every br
                    {Branch::snow, 5e4, 0.2, 400},   {Branch::plasticine, 1e5, 0.3, 2000}};
     for (int row = 0; row < 6; ++row) {
       const double x = 0.5 + 0.16 * row;
-      add_block(p, {x, 0.8, 0.3}, {x + 0.16, 1.1, 0.55}, row, p.domain.dx());
+      // Wide enough that three threads have ranges of blocks of their own (blocks.cpp).
+      add_block(p, {x, 0.55, 0.3}, {x + 0.16, 1.4, 0.55}, row, p.domain.dx());
     }
     p.domain.colliders.push_back(floor_at(0.28, Collider::Mode::separate, 0.4));
     p.schedule.actions.push_back(TopPress{{2, 5}, {0, 0, -0.5}, {0, 0, 1}, 0.2, 0.005, 0.03});

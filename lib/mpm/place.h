@@ -1,0 +1,39 @@
+// Where the particles of a register are: their stencils in a block (blocks.h) and their weights.
+#ifndef PHYSMAS_MPM_PLACE_H
+#define PHYSMAS_MPM_PLACE_H
+
+#include "mpm/blocks.h"
+#include "mpm/lanes.h"
+#include "mpm/mat3.h"
+
+namespace physmas::mpm {
+
+// Quadratic B-splines (Steffen et al. 2008): three nodes per axis.
+template <class V>
+struct Place {
+  Vec3<V> base;       // lowest node of the stencil, counted from the block's first node
+  Vec3<V> to_center;  // from the particle to the centre node [cells]
+  V weight[3][3];     // per axis
+};
+
+// x: cells from the block's first node. Base nodes are held inside the block's reach, so that no number whatsoever can
+// lead a transfer outside it; where that bites, the solver's speed check ends the run.
+template <class V>
+PHYSMAS_INLINE Place<V> place_of(const Vec3<V>& x) {
+  using T = Scalar<V>;
+  Place<V> at;
+  for (int axis = 0; axis < 3; ++axis) {
+    at.base[axis] = at_most(at_least(round_down(x[axis] - T(0.5)), V(T(-1))), V(T(kBlock)));
+    const V f = x[axis] - at.base[axis];
+    const V l = T(1.5) - f, r = f - T(0.5);
+    V* const w = at.weight[axis];
+    w[0] = T(0.5) * l * l, w[2] = T(0.5) * r * r;
+    w[1] = T(1) - w[0] - w[2];
+    at.to_center[axis] = T(1) - f;
+  }
+  return at;
+}
+
+}  // namespace physmas::mpm
+
+#endif
