@@ -135,6 +135,7 @@ template <bool kGather, bool kScatter, bool kMeasure>
 BlockReport BlockPass<T>::run(int index, int next, double dt) {
   const ParticleBlock& block = store_.map.particle_blocks[index];
   GridExchange<T> exchange(grid_.layout);
+  // Carries what the forces have no part in; only where energies are measured.
   std::conditional_t<kMeasure, GridExchange<T>, const GridLayout&> free(grid_.layout);
   BlockReport report;
   const double dx = setup_.domain.dx();

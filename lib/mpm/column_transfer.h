@@ -39,15 +39,6 @@ PHYSMAS_INLINE P spread(const P& a, std::index_sequence<I...>) {
   return __builtin_shufflevector(a, a, (I / 4 * 4 + k)...);
 }
 
-// A product that is rounded here (row.h).
-template <class P>
-PHYSMAS_INLINE P rounded(P a) {
-#if defined(__x86_64__)
-  __asm__("" : "+v"(a));
-#endif
-  return a;
-}
-
 // Pairs of entries of a and b from every group of four; which entries is told by two tables that serve one
 // instruction each: halves of 128 bits for float, every other entry for double.
 template <bool kHigh, class T, class P, size_t... I>
@@ -101,10 +92,10 @@ PHYSMAS_INLINE void gather_component(const T* corner, const RowSteps& steps, con
       const T* row = corner + i * steps.x + j * steps.y;
       const P n0 = spread<kAxis + 1>(load(row), all), n1 = spread<kAxis + 1>(load(row + 4), all),
               n2 = spread<kAxis + 1>(load(row + 8), all);
-      const P a = rounded(w[2][0] * n0);
+      const P a = rounded_part(w[2][0] * n0);
       const P s = w[2][2] * n2 + (w[2][1] * n1 + a), d = w[2][2] * n2 - a;
       if (j == 0) {
-        low = rounded(w[1][0] * s);
+        low = rounded_part(w[1][0] * s);
         sum = low, z = w[1][0] * d;
       } else {
         if (j == 2) slope = w[1][2] * s - low;
@@ -112,7 +103,7 @@ PHYSMAS_INLINE void gather_component(const T* corner, const RowSteps& steps, con
       }
     }
     if (i == 0) {
-      first = rounded(w[0][0] * sum);
+      first = rounded_part(w[0][0] * sum);
       total = first, along_y = w[0][0] * slope, along_z = w[0][0] * z;
     } else {
       if (i == 2) along_x = w[0][2] * sum - first;
@@ -159,8 +150,8 @@ PHYSMAS_INLINE void scatter_column(T* corner, const RowSteps& steps, const Place
     const P plane_mass = w[0][i] * m;
 #pragma GCC unroll 3
     for (int a = 0; a < 3; ++a) {
-      plane[a] = rounded(w[0][i] * (i == 0 ? p[a] - q[a][0] : i == 1 ? p[a] : p[a] + q[a][0]));
-      step_y[a] = rounded(w[0][i] * q[a][1]), step_z[a] = w[0][i] * q[a][2];
+      plane[a] = rounded_part(w[0][i] * (i == 0 ? p[a] - q[a][0] : i == 1 ? p[a] : p[a] + q[a][0]));
+      step_y[a] = rounded_part(w[0][i] * q[a][1]), step_z[a] = w[0][i] * q[a][2];
     }
 #pragma GCC unroll 3
     for (int j = 0; j < 3; ++j) {
@@ -168,8 +159,8 @@ PHYSMAS_INLINE void scatter_column(T* corner, const RowSteps& steps, const Place
       const P row_mass = w[1][j] * plane_mass;
 #pragma GCC unroll 3
       for (int a = 0; a < 3; ++a) {
-        row[a] = rounded(w[1][j] * (j == 0 ? plane[a] - step_y[a] : j == 1 ? plane[a] : plane[a] + step_y[a]));
-        step[a] = rounded(w[1][j] * step_z[a]);
+        row[a] = rounded_part(w[1][j] * (j == 0 ? plane[a] - step_y[a] : j == 1 ? plane[a] : plane[a] + step_y[a]));
+        step[a] = rounded_part(w[1][j] * step_z[a]);
       }
       P node[3];
 #pragma GCC unroll 3
@@ -177,7 +168,7 @@ PHYSMAS_INLINE void scatter_column(T* corner, const RowSteps& steps, const Place
         P n[3];
 #pragma GCC unroll 3
         for (int a = 0; a < 3; ++a) {
-          n[a] = rounded(w[2][k] * (k == 0 ? row[a] - step[a] : k == 1 ? row[a] : row[a] + step[a]));
+          n[a] = rounded_part(w[2][k] * (k == 0 ? row[a] - step[a] : k == 1 ? row[a] : row[a] + step[a]));
         }
         node[k] = sums_of_cells<T>(w[2][k] * row_mass, n[0], n[1], n[2]);
       }

@@ -128,11 +128,16 @@ PHYSMAS_INLINE Row<T> operator*(T s, const Row<T>& a) {
 
 // A product that is rounded here and used in several sums: otherwise the compiler multiplies once per sum in order to
 // fuse, which costs more than it saves.
+template <class Part>
+PHYSMAS_INLINE Part rounded_part(Part a) {
+#if defined(__x86_64__)
+  __asm__("" : "+v"(a));
+#endif
+  return a;
+}
 template <class T>
 PHYSMAS_INLINE Row<T> rounded(Row<T> a) {
-#if defined(__x86_64__)
-  for (int i = 0; i < Row<T>::kParts; ++i) __asm__("" : "+v"(a.part[i]));
-#endif
+  for (int i = 0; i < Row<T>::kParts; ++i) a.part[i] = rounded_part(a.part[i]);
   return a;
 }
 

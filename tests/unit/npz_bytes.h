@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "deflate_bytes.h"
+
 namespace physmas::testing {
 
 inline std::string le(unsigned long value, int bytes) {
@@ -25,25 +27,11 @@ std::string npy(const std::string& descr, const std::string& shape, const std::v
   return out.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
 }
 
-inline std::string deflated(const std::string& data) {
-  z_stream stream{};
-  deflateInit2(&stream, 9, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY);
-  std::string out(deflateBound(&stream, data.size()), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(data.data()));
-  stream.avail_in = static_cast<uInt>(data.size());
-  stream.next_out = reinterpret_cast<Bytef*>(&out[0]);
-  stream.avail_out = static_cast<uInt>(out.size());
-  deflate(&stream, Z_FINISH);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
-
 // An archive as zip and numpy write it.
 inline std::string zip(const std::vector<std::pair<std::string, std::string>>& entries, bool deflate) {
   std::string out, directory;
   for (const auto& [name, data] : entries) {
-    const std::string body = deflate ? deflated(data) : data;
+    const std::string body = deflate ? deflated(data, kRawDeflate) : data;
     const unsigned long crc = crc32(0, reinterpret_cast<const Bytef*>(data.data()), static_cast<uInt>(data.size()));
     const std::string middle = le(deflate ? 8 : 0, 2) + le(0, 4) + le(crc, 4) + le(body.size(), 4) +
                                le(data.size(), 4) + le(name.size(), 2) + le(0, 2);

@@ -2,13 +2,12 @@
 #ifndef PHYSMAS_TESTS_SPZ_BYTES_H
 #define PHYSMAS_TESTS_SPZ_BYTES_H
 
-#include <zlib.h>
-
 #include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "deflate_bytes.h"
 #include "scene/gaussians.h"
 
 namespace physmas::testing {
@@ -48,17 +47,7 @@ inline std::string spz_body(int version, int degree, const std::vector<SpzGaussi
 }
 
 inline std::string gzip(const std::string& bytes) {
-  z_stream stream = {};
-  deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-  std::string out(deflateBound(&stream, bytes.size()), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(&out[0]);
-  stream.avail_out = static_cast<uInt>(out.size());
-  deflate(&stream, Z_FINISH);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
+  return deflated(bytes, kGzip);
 }
 
 }  // namespace physmas::testing
