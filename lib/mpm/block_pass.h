@@ -57,16 +57,20 @@ class BlockPass {
       : setup_(setup), parameters_(parameters), store_(store), grid_(grid), before_(before), after_(after) {}
 
   // Block `index` of the store's map. kGather: ends a substep of dt [s] (`after` are its controls); kScatter: begins
-  // one
-  // (`before`); kMeasure: the energies. next: the block whose nodes to fetch meanwhile, or -1.
+  // one (`before`); kMeasure: the energies.
   template <bool kGather, bool kScatter, bool kMeasure>
-  BlockReport run(int index, int next, double dt);
+  BlockReport run(int index, double dt);
 
  private:
   using V = Lanes<T>;
   static constexpr int W = kLanes<T>;
   static_assert(W == Row<T>::kPart);
 
+  struct Run;
+  template <int kKnown, bool kGather, bool kScatter, bool kMeasure>
+  LaneBits advance(Run& run, int group, int column, GridNumbers<T>& numbers);
+  static void scatter_strays(const GridExchange<T>& exchange, T* nodes, const T* x, int column, LaneBits lanes,
+                             GridNumbers<T>& numbers);
   MaterialParameters<V> group_parameters(int group, int first) const;
   Mat3<V> update_stress(int group, int first, const MaterialParameters<V>& p, const V& dt, Mat3<V>& F,
                         V& strength) const;
@@ -130,185 +134,251 @@ Mat3<typename BlockPass<T>::V> BlockPass<T>::update_stress(int group, int first,
   return tau;
 }
 
+// What the registers of one block have in common during a pass, and what they add up.
+template <class T>
+struct BlockPass<T>::Run {
+  const int index;
+  const ParticleBlock& block;
+  const double dt, dx;
+  const T move, step, gradient;  // cells per m/s, s, 1/cells of a first moment
+  const Vec3d origin;
+  bool at_edge = false;  // particles are held in the safe interior
+  T low[3], high[3];
+  BlockReport report;
+  V kinetic = V(T(0)), speed_squared = V(T(0));
+  // Between gathering and scattering; and what is scattered without the forces' part, where energies are measured.
+  GridNumbers<T> numbers[kColumnBatch], force_free;
+
+  Run(int block_index, const ParticleBlock& particles, const Domain& domain, double seconds)
+      : index(block_index),
+        block(particles),
+        dt(seconds),
+        dx(domain.dx()),
+        move(T(dt / dx)),
+        step(T(dt)),
+        gradient(T(4 / dx)),
+        origin{kBlock * block.position[0] * dx, kBlock * block.position[1] * dx, kBlock * block.position[2] * dx} {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = T(kSafeCells - kBlock * block.position[axis]);
+      high[axis] = T(domain.n - kSafeCells - kBlock * block.position[axis]);
+      at_edge = at_edge || low[axis] > T(-2) || high[axis] < T(kBlock + 3);
+    }
+  }
+};
+
+// One register of particles, from `numbers` and back to them. column: its column's cell, or -1. kKnown: its branch,
+// where all its particles are of one and nothing but the material acts on them, so that numbers stay in registers; else
+// -1. Returns the lanes that are not in their cell of the column any more; their numbers are as if they were.
+template <class T>
+template <int kKnown, bool kGather, bool kScatter, bool kMeasure>
+LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& numbers) {
+  constexpr bool kPlain = kKnown >= 0;
+  constexpr bool kStrength = !kPlain || kKnown == static_cast<int>(Branch::plasticine);
+  const int first = group * W;
+  T* const state = store_.numbers(group);
+  const auto number = [&](int channel) { return V(state + channel * W, stdx::vector_aligned); };
+  const auto put = [&](int channel, const V& lanes) { lanes.copy_to(state + channel * W, stdx::vector_aligned); };
+  Vec3<V> x, v;
+  Mat3<V> F, C;
+  for (int a = 0; a < 3; ++a) {
+    x[a] = number(a);
+    for (int b = 0; b < 3; ++b) F[a][b] = number(store_.kDeformation + 3 * a + b);
+  }
+  const MaterialParameters<V> p =
+      kPlain ? convert_parameters<V>(parameters_[store_.group_row[group]]) : group_parameters(group, first);
+  const V volume = number(store_.kVolume);
+  const V mass = p.density * volume;
+  V strength = kStrength && store_.has_strength ? V(&store_.strength[first], stdx::vector_aligned) : V(T(1));
+
+  for (int a = 0; a < 3; ++a) {
+    v[a] = kGather ? numbers.get(numbers.vector(a)) : V(&store_.v[a][first], stdx::vector_aligned);
+    for (int b = 0; b < 3; ++b) {
+      C[a][b] = kGather ? run.gradient * numbers.get(numbers.matrix(a, b))
+                        : V(&store_.C[3 * a + b][first], stdx::vector_aligned);
+    }
+  }
+
+  // Controls: the forced motion of the gathered substep, then blends and forces of the scattered one.
+  const bool controlled = !kPlain && store_.group_controlled[group] != 0;
+  const auto controls_of = [&](const ControlTable& table) {
+    std::uint16_t groups[W];
+    for (int l = 0; l < W; ++l) {
+      const int i = store_.particle[first + l];
+      groups[l] = i >= 0 ? setup_.control_group[i] : 0;
+    }
+    return load_controls<T>(table, groups, run.origin, run.dx);
+  };
+  const bool forced = kGather && controlled && after_.active;
+  ForcedMotion<V> motion;
+
+  GroupMotion<V> measured;
+  if (kMeasure) measured = {mass, volume, x, F, F, F, v, v, v, C, C, C};
+  if (kGather) {
+    if (forced) motion = force_motion<T>(controls_of(after_), x, mass, v, C, run.report.control_work);
+    const V squared = dot(v, v);
+    run.kinetic += mass * squared;
+    run.speed_squared = at_least(squared, run.speed_squared);
+    for (int a = 0; a < 3; ++a) x[a] += run.move * v[a];
+    if (forced) {
+      for (int a = 0; a < 3; ++a) x[a] += run.move * motion.increment[a];
+      const Vec3<V> whole = v + motion.increment;
+      run.speed_squared = at_least(dot(whole, whole), run.speed_squared);
+    }
+    if (run.at_edge) {
+      const Vec3<V> moved = x;
+      for (int a = 0; a < 3; ++a) x[a] = at_most(at_least(x[a], V(run.low[a])), V(run.high[a]));
+      const auto held = moved.x != x.x || moved.y != x.y || moved.z != x.z;
+      run.report.clamped += stdx::popcount(held && volume > V(T(0)));
+    }
+    const Mat3<V> gradient_of_step = forced ? C + motion.increment_gradient : C;
+    F = F + V(run.step) * (gradient_of_step * F);
+    if (setup_.track_total_F) {
+      Mat3<V> total;
+      for (int k = 0; k < 9; ++k) total[k / 3][k % 3] = V(&store_.total_F[k][first], stdx::vector_aligned);
+      total = total + V(run.step) * (gradient_of_step * total);
+      for (int k = 0; k < 9; ++k) total[k / 3][k % 3].copy_to(&store_.total_F[k][first], stdx::vector_aligned);
+    }
+  }
+  // A prime pass only evaluates stress; its F has been through the return map already.
+  if (kMeasure) measured.F_trial = F;
+  const V evolved(kGather ? run.step : T(0));
+  const Mat3<V> tau = kPlain ? update_branch(static_cast<Branch>(kKnown), p, evolved, F, strength)
+                             : update_stress(group, first, p, evolved, F, strength);
+  if (kMeasure) {
+    measured.x = x, measured.v = v, measured.C = C;
+    measured.v_moved = forced ? v + motion.increment : v;
+    measured.C_moved = forced ? C + motion.increment_gradient : C;
+    if (kGather) measured.F = F;
+    Branch branch[W];
+    for (int l = 0; l < W; ++l) {
+      const int i = store_.particle[first + l];
+      branch[l] = setup_.branches[i >= 0 ? setup_.row[i] : 0];
+    }
+    measure_group(measured, p, branch, run.origin, setup_.domain.gravity, run.dx, kGather ? run.dt : 0,
+                  run.report.energy);
+  }
+  if (forced) run.report.control_work += elastic_work<T>(motion, tau, volume, run.step);
+  if (kGather) {
+    for (int a = 0; a < 3; ++a) {
+      put(a, x[a]);
+      for (int b = 0; b < 3; ++b) put(store_.kDeformation + 3 * a + b, F[a][b]);
+    }
+    if (kStrength && store_.has_strength) strength.copy_to(&store_.strength[first], stdx::vector_aligned);
+  }
+  if (!kScatter) {
+    for (int a = 0; a < 3; ++a) {
+      v[a].copy_to(&store_.v[a][first], stdx::vector_aligned);
+      for (int b = 0; b < 3; ++b) C[a][b].copy_to(&store_.C[3 * a + b][first], stdx::vector_aligned);
+    }
+    return 0;
+  }
+
+  if (controlled && before_.active) {
+    run.report.control_work += blend_controls<T>(controls_of(before_), x, mass, v, C);
+  }
+  if (kMeasure) {
+    const double scattered = affine_kinetic(mass, v, C, run.dx);
+    run.report.energy.control_before += scattered - affine_kinetic(mass, measured.v, measured.C, run.dx);
+    run.report.energy.scattered += scattered;
+  }
+  const Place<V> at = place_of(x, column >= 0 ? GridExchange<T>::column_base(column) : base_of(x));
+  numbers.set_weights(at);
+  // Per cell of offset: m C dx − dt V⁰ (4/dx) τ (MLS-MPM, Hu et al. 2018).
+  const V inertia = mass * T(run.dx), force = -(run.step * run.gradient) * volume;
+  const Mat3<V> Q = inertia * C + force * tau;
+  numbers.set(mass, mass * v + Q * at.to_center, Q);
+  if (kMeasure) {
+    const Mat3<V> spin = inertia * C;
+    run.force_free.set_weights(at);
+    run.force_free.set(mass, mass * v + spin * at.to_center, spin);
+  }
+  return column >= 0 ? lane_bits(strayed(at)) & store_.group_lanes[group] : 0;
+}
+
+// Carries lanes that have left their column's cell to the grid, and takes them out of the numbers that go there with
+// the column.
+template <class T>
+void BlockPass<T>::scatter_strays(const GridExchange<T>& exchange, T* nodes, const T* x, int column, LaneBits lanes,
+                                  GridNumbers<T>& numbers) {
+  const Vec3<V> at = {V(x, stdx::vector_aligned), V(x + W, stdx::vector_aligned), V(x + 2 * W, stdx::vector_aligned)};
+  const Vec3<V> base = base_of(at);
+  const Vec3<V> shift = base - GridExchange<T>::column_base(column);
+  GridNumbers<T> strays;
+  strays.set_weights(place_of(at, base));
+  Vec3<V> momentum, none;
+  Mat3<V> Q;
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) Q[a][b] = numbers.get(numbers.matrix(a, b));
+    momentum[a] = numbers.get(numbers.vector(a));
+    none[a] = V(T(0));
+  }
+  // P belongs to the centre node.
+  strays.set(numbers.get(numbers.kMass), momentum + Q * shift, Q);
+  exchange.scatter_rows(nodes, x, lanes, strays);
+  const auto gone = lane_mask<T>(lanes);
+  numbers.set(select(gone, V(T(0)), numbers.get(numbers.kMass)), select(gone, none, momentum),
+              select(gone, Mat3<V>{{none, none, none}}, Q));
+}
+
 template <class T>
 template <bool kGather, bool kScatter, bool kMeasure>
-BlockReport BlockPass<T>::run(int index, int next, double dt) {
+BlockReport BlockPass<T>::run(int index, double dt) {
   const ParticleBlock& block = store_.map.particle_blocks[index];
-  GridExchange<T> exchange(grid_.layout);
-  // Carries what the forces have no part in; only where energies are measured.
-  std::conditional_t<kMeasure, GridExchange<T>, const GridLayout&> free(grid_.layout);
-  BlockReport report;
-  const double dx = setup_.domain.dx();
-  const T step = T(dt);
-  const T move = T(dt / dx), gradient = T(4 / dx);
-  const Vec3d origin = {kBlock * block.position[0] * dx, kBlock * block.position[1] * dx,
-                        kBlock * block.position[2] * dx};
-  // Particles of blocks at the edge are held in the safe interior.
-  T low[3], high[3];
-  bool at_edge = false;
-  for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = T(kSafeCells - kBlock * block.position[axis]);
-    high[axis] = T(setup_.domain.n - kSafeCells - kBlock * block.position[axis]);
-    at_edge = at_edge || low[axis] > T(-2) || high[axis] < T(kBlock + 3);
-  }
-  V kinetic(T(0)), speed(T(0));
-  auto finite = V(T(0)) == V(T(0));
-
-  // One register of particles, from the grid and back to it. Where all its particles are of one branch, and nothing but
-  // the material acts on them, that is known when this is compiled and numbers stay in registers.
-  const auto advance_lanes = [&](int group, auto known_branch) PHYSMAS_LAMBDA_INLINE {
-    constexpr int kKnown = decltype(known_branch)::value;
-    constexpr bool kPlain = kKnown >= 0;
-    constexpr bool kStrength = !kPlain || kKnown == static_cast<int>(Branch::plasticine);
-    const int first = group * W;
-    T* const numbers = store_.numbers(group);
-    const auto number = [&](int channel) { return V(numbers + channel * W, stdx::vector_aligned); };
-    Vec3<V> x, v;
-    Mat3<V> F, C;
-    for (int a = 0; a < 3; ++a) {
-      x[a] = number(a);
-      for (int b = 0; b < 3; ++b) F[a][b] = number(store_.kDeformation + 3 * a + b);
-    }
-    const LaneBits lanes = store_.group_lanes[group];
-    const int column = store_.group_column[group];
-    const MaterialParameters<V> p =
-        kPlain ? convert_parameters<V>(parameters_[store_.group_row[group]]) : group_parameters(group, first);
-    const V volume = number(store_.kVolume);
-    const V mass = p.density * volume;
-    V strength = kStrength && store_.has_strength ? V(&store_.strength[first], stdx::vector_aligned) : V(T(1));
-
-    if (kGather) {
-      const Place<V> at = place_of(x);
-      Mat3<V> moment;
-      exchange.gather(grid_.velocity(block), at, column, lanes, v, moment);
-      const auto real = volume > V(T(0));
-      for (int a = 0; a < 3; ++a) {
-        v[a] = select(real, v[a], V(T(0)));
-        for (int b = 0; b < 3; ++b) {
-          C[a][b] = select(real, gradient * (moment[a][b] + at.to_center[b] * v[a]), V(T(0)));
-        }
-      }
-    } else {
-      for (int a = 0; a < 3; ++a) {
-        v[a] = V(&store_.v[a][first], stdx::vector_aligned);
-        for (int b = 0; b < 3; ++b) C[a][b] = V(&store_.C[3 * a + b][first], stdx::vector_aligned);
-      }
-    }
-
-    // Controls: the forced motion of the gathered substep, then blends and forces of the scattered one.
-    const bool controlled = !kPlain && store_.group_controlled[group] != 0;
-    const auto controls_of = [&](const ControlTable& table) {
-      std::uint16_t groups[W];
-      for (int l = 0; l < W; ++l) {
-        const int i = store_.particle[first + l];
-        groups[l] = i >= 0 ? setup_.control_group[i] : 0;
-      }
-      return load_controls<T>(table, groups, origin, dx);
-    };
-    const bool forced = kGather && controlled && after_.active;
-    ForcedMotion<V> motion;
-
-    GroupMotion<V> measured;
-    if (kMeasure) measured = {mass, volume, x, F, F, F, v, v, v, C, C, C};
-    if (kGather) {
-      if (forced) motion = force_motion<T>(controls_of(after_), x, mass, v, C, report.control_work);
-      const V squared = dot(v, v);
-      kinetic += mass * squared;
-      speed = at_least(squared, speed);
-      finite = finite && (squared - squared == V(T(0)));
-      for (int a = 0; a < 3; ++a) x[a] += move * v[a];
-      if (forced) {
-        for (int a = 0; a < 3; ++a) x[a] += move * motion.increment[a];
-        const Vec3<V> whole = v + motion.increment;
-        speed = at_least(dot(whole, whole), speed);
-      }
-      if (at_edge) {
-        const Vec3<V> moved = x;
-        for (int a = 0; a < 3; ++a) x[a] = at_most(at_least(x[a], V(low[a])), V(high[a]));
-        const auto held = moved.x != x.x || moved.y != x.y || moved.z != x.z;
-        report.clamped += stdx::popcount(held && volume > V(T(0)));
-      }
-      const Mat3<V> gradient_of_step = forced ? C + motion.increment_gradient : C;
-      F = F + V(step) * (gradient_of_step * F);
-      if (setup_.track_total_F) {
-        Mat3<V> total;
-        for (int k = 0; k < 9; ++k) total[k / 3][k % 3] = V(&store_.total_F[k][first], stdx::vector_aligned);
-        total = total + V(step) * (gradient_of_step * total);
-        for (int k = 0; k < 9; ++k) total[k / 3][k % 3].copy_to(&store_.total_F[k][first], stdx::vector_aligned);
-      }
-    }
-    // A prime pass only evaluates stress; its F has been through the return map already.
-    if (kMeasure) measured.F_trial = F;
-    const V evolved(kGather ? step : T(0));
-    const Mat3<V> tau = kPlain ? update_branch(static_cast<Branch>(kKnown), p, evolved, F, strength)
-                               : update_stress(group, first, p, evolved, F, strength);
-    if (kMeasure) {
-      measured.x = x, measured.v = v, measured.C = C;
-      measured.v_moved = forced ? v + motion.increment : v;
-      measured.C_moved = forced ? C + motion.increment_gradient : C;
-      if (kGather) measured.F = F;
-      Branch branch[W];
-      for (int l = 0; l < W; ++l) {
-        const int i = store_.particle[first + l];
-        branch[l] = setup_.branches[i >= 0 ? setup_.row[i] : 0];
-      }
-      measure_group(measured, p, branch, origin, setup_.domain.gravity, dx, kGather ? dt : 0, report.energy);
-    }
-    if (forced) report.control_work += elastic_work<T>(motion, tau, volume, step);
-    if (kGather) {
-      for (int a = 0; a < 3; ++a) {
-        x[a].copy_to(numbers + a * W, stdx::vector_aligned);
-        for (int b = 0; b < 3; ++b)
-          F[a][b].copy_to(numbers + (store_.kDeformation + 3 * a + b) * W, stdx::vector_aligned);
-      }
-      if (kStrength && store_.has_strength) strength.copy_to(&store_.strength[first], stdx::vector_aligned);
-    }
-    if (!kScatter) {
-      for (int a = 0; a < 3; ++a) {
-        v[a].copy_to(&store_.v[a][first], stdx::vector_aligned);
-        for (int b = 0; b < 3; ++b) C[a][b].copy_to(&store_.C[3 * a + b][first], stdx::vector_aligned);
-      }
-      return;
-    }
-
-    if (controlled && before_.active) {
-      report.control_work += blend_controls<T>(controls_of(before_), x, mass, v, C);
-    }
-    if (kMeasure) {
-      const double scattered = affine_kinetic(mass, v, C, dx);
-      report.energy.control_before += scattered - affine_kinetic(mass, measured.v, measured.C, dx);
-      report.energy.scattered += scattered;
-    }
-    const Place<V> at = place_of(x);
-    // Per cell of offset: m C dx − dt V⁰ (4/dx) τ (MLS-MPM, Hu et al. 2018).
-    const V inertia = mass * T(dx), force = -(step * gradient) * volume;
-    const Mat3<V> Q = inertia * C + force * tau;
-    exchange.scatter(grid_.momentum(block), at, column, lanes, mass, mass * v + Q * at.to_center, Q);
-    if constexpr (kMeasure) {
-      const Mat3<V> spin = inertia * C;
-      free.scatter(grid_.force_free(block), at, column, lanes, mass, mass * v + spin * at.to_center, spin);
-    }
-  };
-
-  for (int group = block.begin / W; group < (block.begin + block.slots) / W; ++group) {
-    store_.prefetch(group + kPrefetch);
-    if (next >= 0) {
-      grid_.prefetch(store_.map.particle_blocks[next], group - block.begin / W, block.slots / W);
-    }
+  const GridExchange<T> exchange(grid_.layout);
+  Run run(index, block, setup_.domain, dt);
+  const auto advance_any = [&](int group, int column, GridNumbers<T>& numbers) PHYSMAS_LAMBDA_INLINE {
     const int row = store_.group_row[group];
     const bool controlled = store_.group_controlled[group] && (before_.active || after_.active);
     if (kGather && kScatter && !kMeasure && row >= 0 && !controlled) {
-      with_branch(setup_.branches[row], [&](auto branch) PHYSMAS_LAMBDA_INLINE { advance_lanes(group, branch); });
-    } else {
-      advance_lanes(group, std::integral_constant<int, -1>());
+      LaneBits strays = 0;
+      with_branch(setup_.branches[row], [&](auto branch) PHYSMAS_LAMBDA_INLINE {
+        strays = advance<decltype(branch)::value, true, true, false>(run, group, column, numbers);
+      });
+      return strays;
     }
+    return advance<-1, kGather, kScatter, kMeasure>(run, group, column, numbers);
+  };
+
+  const int begin = block.begin / W, end = begin + block.slots / W;
+  // Loose registers come first: what leaves a column finds its place behind the pass.
+  for (int group = begin, count = 1; group < end; group += count, count = 1) {
+    const int column = store_.group_column[group];
+    while (column >= 0 && count < kColumnBatch && group + count < end && store_.group_column[group + count] == column) {
+      ++count;
+    }
+    LaneBits lanes[kColumnBatch];
+    const T* x[kColumnBatch];
+    for (int r = 0; r < count; ++r) {
+      store_.prefetch(group + r + kPrefetch);
+      lanes[r] = store_.group_lanes[group + r];
+      x[r] = store_.numbers(group + r);
+    }
+    if (column < 0) {
+      if (lanes[0] == 0) continue;
+      if (kGather) exchange.gather_rows(grid_.velocity(block), x[0], lanes[0], run.numbers[0]);
+      advance_any(group, column, run.numbers[0]);
+      if (kScatter) exchange.scatter_rows(grid_.momentum(block), x[0], lanes[0], run.numbers[0]);
+      if (kMeasure && kScatter) exchange.scatter_rows(grid_.force_free(block), x[0], lanes[0], run.force_free);
+      continue;
+    }
+    if (kGather) exchange.gather_columns(grid_.velocity(block), column, count, x, lanes, run.numbers);
+    for (int r = 0; r < count; ++r) {
+      const LaneBits strays = advance_any(group + r, column, run.numbers[r]);
+      if (!kScatter) continue;
+      if (strays != 0) {
+        scatter_strays(exchange, grid_.momentum(block), x[r], column, strays, run.numbers[r]);
+        if (kMeasure) scatter_strays(exchange, grid_.force_free(block), x[r], column, strays, run.force_free);
+        store_.leave_column(index, group + r, strays);
+      }
+      if (kMeasure) exchange.scatter_columns(grid_.force_free(block), column, 1, &run.force_free);
+    }
+    if (kScatter) exchange.scatter_columns(grid_.momentum(block), column, count, run.numbers);
   }
-  if (kScatter) exchange.flush(grid_.momentum(block));
-  if constexpr (kMeasure && kScatter) free.flush(grid_.force_free(block));
-  report.strays = exchange.strays();
-  report.kinetic = 0.5 * double(stdx::reduce(kinetic));
-  report.max_speed_squared = double(stdx::hmax(speed));
-  report.not_finite = !all(finite);
+  BlockReport report = run.report;
+  report.strays = block.strayed;
+  report.kinetic = 0.5 * double(stdx::reduce(run.kinetic));
+  report.max_speed_squared = double(stdx::hmax(run.speed_squared));
+  report.not_finite = !std::isfinite(report.kinetic);
   return report;
 }
 

@@ -10,7 +10,11 @@ namespace {
 constexpr int kBlocksPerThread = 24;
 
 int color_of(const ParticleBlock& block) {
-  return 4 * (block.position[0] % 2) + 2 * (block.position[1] % 2) + block.position[2] % 2;
+  return 2 * (block.position[0] % 2) + block.position[1] % 2;
+}
+
+bool in_one_run(const ParticleBlock& a, const ParticleBlock& b) {
+  return a.position[0] == b.position[0] && a.position[1] == b.position[1];
 }
 
 }  // namespace
@@ -39,17 +43,27 @@ void BlockMap::connect(int threads) {
   long long slots = 0, sum = 0;
   for (const ParticleBlock& block : particle_blocks) slots += block.slots;
   order.clear();
-  order_bounds.assign(1, 0);
+  run_bounds.assign(1, 0);
+  thread_bounds.assign(1, 0);
   const int ranges = std::max(1, std::min(threads, count / kBlocksPerThread));
+  const auto end_run = [&] {
+    if (static_cast<int>(order.size()) > run_bounds.back()) run_bounds.push_back(static_cast<int>(order.size()));
+  };
   for (int t = 0, begin = 0; t < threads; ++t) {
     int end = begin;
-    while (end < count && (t + 1 >= ranges || sum * ranges < slots * (t + 1))) sum += particle_blocks[end++].slots;
-    for (int color = 0; color < 8; ++color) {
-      for (int b = begin; b < end; ++b) {
-        if (color_of(particle_blocks[b]) == color) order.push_back(b);
-      }
+    while (end < count && (t + 1 >= ranges || sum * ranges < slots * (t + 1) ||
+                           (end > begin && in_one_run(particle_blocks[end - 1], particle_blocks[end])))) {
+      sum += particle_blocks[end++].slots;
     }
-    order_bounds.push_back(end);
+    for (int color = 0; color < 4; ++color) {
+      for (int b = begin; b < end; ++b) {
+        if (color_of(particle_blocks[b]) != color) continue;
+        if (!order.empty() && !in_one_run(particle_blocks[order.back()], particle_blocks[b])) end_run();
+        order.push_back(b);
+      }
+      end_run();
+    }
+    thread_bounds.push_back(static_cast<int>(run_bounds.size()) - 1);
     begin = end;
   }
   waits_for.resize(count);

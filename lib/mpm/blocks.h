@@ -23,6 +23,8 @@ struct ParticleBlock {
   int count = 0;         // particles
   int begin = 0;         // first slot, a multiple of the lane count
   int slots = 0;         // slots that belong to it, a multiple of the lane count
+  int loose = 0;         // registers at its beginning whose particles go to the grid one by one
+  int strayed = 0;       // particles that have left their columns since the last sort
   // Nodes from the block's first, inclusive, that its particles can reach until the next sort.
   std::int8_t low[3] = {}, high[3] = {};
 };
@@ -54,10 +56,13 @@ class BlockMap {
 
   std::vector<ParticleBlock> particle_blocks;  // ascending id
   std::vector<GridBlock> grid_blocks;          // ascending id
-  // All particle blocks in a range for every thread, of about as many particles, or in the first one where there are
-  // too few to share; in a range by one of eight colours and then by id. Blocks of one colour share no node; a block
-  // that adds to its nodes after the neighbours of lower colours has them in waits_for.
-  std::vector<int> order, order_bounds;
+  // All particle blocks in runs along z, of which a block shares half of its nodes with the next; the runs in a range
+  // for every thread, of about as many particles, or in the first one where there are too few to share; in a range by
+  // one of four colours and then by id. Runs of one colour share no node; a block that adds to its nodes after the
+  // neighbours of lower colours has them in waits_for.
+  std::vector<int> order;                   // blocks
+  std::vector<int> run_bounds;              // run r is order[run_bounds[r]] to order[run_bounds[r + 1] - 1]
+  std::vector<int> thread_bounds;           // of the threads' runs
   std::vector<std::vector<int>> waits_for;  // per particle block
 
  private:

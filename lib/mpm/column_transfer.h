@@ -4,7 +4,7 @@
 #ifndef PHYSMAS_MPM_COLUMN_TRANSFER_H
 #define PHYSMAS_MPM_COLUMN_TRANSFER_H
 
-#include "mpm/place.h"
+#include "mpm/grid_numbers.h"
 #include "mpm/row_transfer.h"
 
 namespace physmas::mpm {
@@ -13,6 +13,8 @@ namespace physmas::mpm {
 constexpr int kColumnSlots = 4;
 template <class T>
 constexpr int kColumnCells = kLanes<T> / kColumnSlots;
+// Registers of one column that are carried together, at most.
+constexpr int kColumnBatch = 4;
 
 namespace column_detail {
 
@@ -77,101 +79,124 @@ PHYSMAS_INLINE Pair pushed_out(const P& a, std::index_sequence<I...>) {
   return __builtin_shufflevector(a, P{}, (int(I) < kBy ? kSize - kBy + int(I) : kSize + int(I) % kSize)...);
 }
 
-// Velocity component kAxis and its first moments, as gather_particle has them.
-template <int kAxis, class T>
-PHYSMAS_INLINE void gather_component(const T* corner, const RowSteps& steps, const Part<T> (*w)[3], Lanes<T>& velocity,
-                                     Vec3<Lanes<T>>& moment) {
+// Velocity component kAxis and its first moments about the particles, of R registers of the same column.
+template <int kAxis, int R, class T>
+PHYSMAS_INLINE void gather_component(const T* corner, const RowSteps& steps, const Part<T> (*w)[3][3],
+                                     const Part<T> (*to_center)[3], GridNumbers<T>* out) {
   using P = Part<T>;
   constexpr auto all = std::make_index_sequence<Row<T>::kPart>();
-  P total, first, along_x, along_y, along_z;
+  P total[R], first[R], along_x[R], along_y[R], along_z[R];
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
-    P sum, low, slope, z;
+    P sum[R], low[R], slope[R], z[R];
 #pragma GCC unroll 3
     for (int j = 0; j < 3; ++j) {
       const T* row = corner + i * steps.x + j * steps.y;
       const P n0 = spread<kAxis + 1>(load(row), all), n1 = spread<kAxis + 1>(load(row + 4), all),
               n2 = spread<kAxis + 1>(load(row + 8), all);
-      const P a = rounded_part(w[2][0] * n0);
-      const P s = w[2][2] * n2 + (w[2][1] * n1 + a), d = w[2][2] * n2 - a;
-      if (j == 0) {
-        low = rounded_part(w[1][0] * s);
-        sum = low, z = w[1][0] * d;
-      } else {
-        if (j == 2) slope = w[1][2] * s - low;
-        sum = w[1][j] * s + sum, z = w[1][j] * d + z;
+#pragma GCC unroll 2
+      for (int r = 0; r < R; ++r) {
+        const P a = rounded_part(w[r][2][0] * n0);
+        const P s = w[r][2][2] * n2 + (w[r][2][1] * n1 + a), d = w[r][2][2] * n2 - a;
+        if (j == 0) {
+          low[r] = rounded_part(w[r][1][0] * s);
+          sum[r] = low[r], z[r] = w[r][1][0] * d;
+        } else {
+          if (j == 2) slope[r] = w[r][1][2] * s - low[r];
+          sum[r] = w[r][1][j] * s + sum[r], z[r] = w[r][1][j] * d + z[r];
+        }
       }
     }
-    if (i == 0) {
-      first = rounded_part(w[0][0] * sum);
-      total = first, along_y = w[0][0] * slope, along_z = w[0][0] * z;
-    } else {
-      if (i == 2) along_x = w[0][2] * sum - first;
-      total = w[0][i] * sum + total, along_y = w[0][i] * slope + along_y, along_z = w[0][i] * z + along_z;
+#pragma GCC unroll 2
+    for (int r = 0; r < R; ++r) {
+      if (i == 0) {
+        first[r] = rounded_part(w[r][0][0] * sum[r]);
+        total[r] = first[r], along_y[r] = w[r][0][0] * slope[r], along_z[r] = w[r][0][0] * z[r];
+      } else {
+        if (i == 2) along_x[r] = w[r][0][2] * sum[r] - first[r];
+        total[r] = w[r][0][i] * sum[r] + total[r], along_y[r] = w[r][0][i] * slope[r] + along_y[r],
+        along_z[r] = w[r][0][i] * z[r] + along_z[r];
+      }
     }
   }
-  using V = Lanes<T>;
-  velocity = same_bytes<V>(total);
-  moment = {same_bytes<V>(along_x), same_bytes<V>(along_y), same_bytes<V>(along_z)};
+  for (int r = 0; r < R; ++r) {
+    const auto store = [&](int k, const P& lanes) { std::memcpy(out[r].number[k], &lanes, sizeof(lanes)); };
+    store(out->vector(kAxis), total[r]);
+    store(out->matrix(kAxis, 0), along_x[r] + to_center[r][0] * total[r]);
+    store(out->matrix(kAxis, 1), along_y[r] + to_center[r][1] * total[r]);
+    store(out->matrix(kAxis, 2), along_z[r] + to_center[r][2] * total[r]);
+  }
 }
 
 }  // namespace column_detail
 
-// corner: the node at the base of the column's lowest cell. velocity and moment (row a: the first moments
-// Σ w v_a (node − centre node) along x, y, z in cells) of all lanes.
-template <class T>
-PHYSMAS_INLINE void gather_column(const T* corner, const RowSteps& steps, const Place<Lanes<T>>& at,
-                                  Vec3<Lanes<T>>& velocity, Mat3<Lanes<T>>& moment) {
-  column_detail::Part<T> w[3][3];
-  std::memcpy(&w, &at.weight, sizeof(w));
-  column_detail::gather_component<0>(corner, steps, w, velocity.x, moment[0]);
-  column_detail::gather_component<1>(corner, steps, w, velocity.y, moment[1]);
-  column_detail::gather_component<2>(corner, steps, w, velocity.z, moment[2]);
+// R registers of one column. corner: the node at the base of the column's lowest cell.
+template <int R, class T>
+PHYSMAS_INLINE void gather_columns(const T* corner, const RowSteps& steps, const Place<Lanes<T>>* at,
+                                   GridNumbers<T>* out) {
+  using P = column_detail::Part<T>;
+  P w[R][3][3], to_center[R][3];
+  for (int r = 0; r < R; ++r) {
+    for (int a = 0; a < 3; ++a) {
+      to_center[r][a] = same_bytes<P>(at[r].to_center[a]);
+      for (int b = 0; b < 3; ++b) w[r][a][b] = same_bytes<P>(at[r].weight[a][b]);
+    }
+  }
+  column_detail::gather_component<0, R>(corner, steps, w, to_center, out);
+  column_detail::gather_component<1, R>(corner, steps, w, to_center, out);
+  column_detail::gather_component<2, R>(corner, steps, w, to_center, out);
 }
 
-// Adds w {m, P + Q (node − centre node)} of all lanes to the grid.
+// Adds w {m, P + Q (node − centre node)} of all lanes of `count` registers of one column to the grid. What they bring
+// to a row of nodes is summed in registers first.
 template <class T>
-PHYSMAS_INLINE void scatter_column(T* corner, const RowSteps& steps, const Place<Lanes<T>>& at, const Lanes<T>& mass,
-                                   const Vec3<Lanes<T>>& momentum, const Mat3<Lanes<T>>& Q) {
+PHYSMAS_INLINE void scatter_columns(T* corner, const RowSteps& steps, int count, const GridNumbers<T>* in) {
   using namespace column_detail;
   using P = Part<T>;
   constexpr int kSize = Row<T>::kPart;
   typedef T Pair __attribute__((vector_size(8 * sizeof(T))));
   constexpr auto all = std::make_index_sequence<kSize>();
   constexpr auto pair = std::make_index_sequence<8>();
-  P w[3][3], p[3], q[3][3];
-  std::memcpy(&w, &at.weight, sizeof(w));
-  std::memcpy(&p, &momentum, sizeof(p));
-  std::memcpy(&q, &Q, sizeof(q));
-  const P m = same_bytes<P>(mass);
+  // Of one plane of nodes, for every register.
+  struct Plane {
+    P mass, momentum[3], step_y[3], step_z[3];
+  } planes[kColumnBatch];
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
-    P plane[3], step_y[3], step_z[3];
-    const P plane_mass = w[0][i] * m;
+    for (int r = 0; r < count; ++r) {
+      const auto number = [&](int k) { return load(in[r].number[k]); };
+      const P w = load(in[r].weight[i]);
+      planes[r].mass = w * number(in->kMass);
 #pragma GCC unroll 3
-    for (int a = 0; a < 3; ++a) {
-      plane[a] = rounded_part(w[0][i] * (i == 0 ? p[a] - q[a][0] : i == 1 ? p[a] : p[a] + q[a][0]));
-      step_y[a] = rounded_part(w[0][i] * q[a][1]), step_z[a] = w[0][i] * q[a][2];
+      for (int a = 0; a < 3; ++a) {
+        const P p = number(in->vector(a)), q = number(in->matrix(a, 0));
+        planes[r].momentum[a] = w * (i == 0 ? p - q : i == 1 ? p : p + q);
+        planes[r].step_y[a] = w * number(in->matrix(a, 1));
+        planes[r].step_z[a] = w * number(in->matrix(a, 2));
+      }
     }
 #pragma GCC unroll 3
     for (int j = 0; j < 3; ++j) {
-      P row[3], step[3];
-      const P row_mass = w[1][j] * plane_mass;
+      P n[3][4] = {};
+      for (int r = 0; r < count; ++r) {
+        const Plane& plane = planes[r];
+        const P w = load(in[r].weight[3 + j]);
+        const P low = load(in[r].weight[6]), mid = load(in[r].weight[7]), high = load(in[r].weight[8]);
+        const P mass = rounded_part(w * plane.mass);
+        n[0][0] += low * mass, n[1][0] += mid * mass, n[2][0] += high * mass;
 #pragma GCC unroll 3
-      for (int a = 0; a < 3; ++a) {
-        row[a] = rounded_part(w[1][j] * (j == 0 ? plane[a] - step_y[a] : j == 1 ? plane[a] : plane[a] + step_y[a]));
-        step[a] = rounded_part(w[1][j] * step_z[a]);
+        for (int a = 0; a < 3; ++a) {
+          const P& p = plane.momentum[a];
+          const P row = rounded_part(w * (j == 0 ? p - plane.step_y[a] : j == 1 ? p : p + plane.step_y[a]));
+          const P step = rounded_part(w * plane.step_z[a]);
+          n[0][1 + a] += low * rounded_part(row - step);
+          n[1][1 + a] += mid * row;
+          n[2][1 + a] += high * rounded_part(row + step);
+        }
       }
       P node[3];
 #pragma GCC unroll 3
-      for (int k = 0; k < 3; ++k) {
-        P n[3];
-#pragma GCC unroll 3
-        for (int a = 0; a < 3; ++a) {
-          n[a] = rounded_part(w[2][k] * (k == 0 ? row[a] - step[a] : k == 1 ? row[a] : row[a] + step[a]));
-        }
-        node[k] = sums_of_cells<T>(w[2][k] * row_mass, n[0], n[1], n[2]);
-      }
+      for (int k = 0; k < 3; ++k) node[k] = sums_of_cells<T>(n[k][0], n[k][1], n[k][2], n[k][3]);
       T* const to = corner + i * steps.x + j * steps.y;
       add_to(to, node[0] + (shifted_up<4>(node[1], all) + shifted_up<(kSize < 8 ? 4 : 8)>(node[2], all)));
       add_to(to + kSize, pushed_out<4, Pair>(node[1], pair) + pushed_out<8, Pair>(node[2], pair));

@@ -38,20 +38,6 @@ class Grid {
   T* momentum(const ParticleBlock& block) { return momentum_.data() + offset(block.position); }
   // The same without the momentum of the forces; when energy is measured.
   T* force_free(const ParticleBlock& block) { return force_free_.data() + offset(block.position); }
-  // Brings part `part` of `parts` of the nodes that a block's particles reach into the cache.
-  void prefetch(const ParticleBlock& block, int part, int parts) const {
-    const int rows_y = block.high[1] - block.low[1] + 1, rows = (block.high[0] - block.low[0] + 1) * rows_y;
-    const size_t first = offset(block.position);
-    for (int r = rows * part / parts; r < rows * (part + 1) / parts; ++r) {
-      const size_t at = first + (block.low[0] + r / rows_y) * std::ptrdiff_t(layout.step_x()) +
-                        (block.low[1] + r % rows_y) * std::ptrdiff_t(layout.step_y());
-      for (int z = -1; z <= 1; ++z) {
-        if (z < 0 ? block.low[2] >= 0 : z > 0 && block.high[2] < kBlock) continue;
-        __builtin_prefetch(velocity_.data() + at + z * kRow, 0);
-        __builtin_prefetch(momentum_.data() + at + z * kRow, 1);
-      }
-    }
-  }
   // Updates all active nodes and clears their momentum; returns the largest velocity component [m/s]. energy: filled
   // when measured.
   double update(double dt, GridEnergy& energy);
@@ -146,51 +132,46 @@ template <class T>
 template <bool kMeasure>
 double Grid<T>::update_block(int index, double dt) {
   const GridBlock& block = map_.grid_blocks[index];
-  typedef T Node __attribute__((vector_size(4 * sizeof(T))));
-  alignas(64) T nodes[4 * kBlockNodes];
+  typedef T Nodes __attribute__((vector_size(kRow * sizeof(T))));  // of one row
+  alignas(64) Nodes nodes[kBlock * kBlock];
   alignas(64) T arrived[kMeasure ? 4 * kBlockNodes : 1], free[kMeasure ? 4 * kBlockNodes : 1];
-  const auto take = [](T* from, T* to) {
-    std::memcpy(to, from, kRow * sizeof(T));
-    std::memset(from, 0, kRow * sizeof(T));
-  };
-  for_each_row(block, [&](int r, size_t at) {
-    take(momentum_.data() + at, nodes + kRow * r);
-    if constexpr (kMeasure) take(force_free_.data() + at, arrived + kRow * r);
-  });
   const Vec3d& g = setup_.domain.gravity;
-  const Node fall = {T(0), T(dt * g.x), T(dt * g.y), T(dt * g.z)};
-  Node largest = {};
-  const auto see = [&](const Node& u) {
-    const Node size = u < 0 ? -u : u;
+  const T gx = T(dt * g.x), gy = T(dt * g.y), gz = T(dt * g.z);
+  const Nodes fall = {0, gx, gy, gz, 0, gx, gy, gz, 0, gx, gy, gz, 0, gx, gy, gz};
+  const Nodes moving = {0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1};
+  Nodes largest = {};
+  const auto see = [&](const Nodes& u) PHYSMAS_LAMBDA_INLINE {
+    const Nodes size = u < 0 ? -u : u;
     largest = size > largest ? size : largest;
   };
-  const bool obstacle = obstacle_[index];
-  for (int i = 0; i < kBlockNodes; ++i) {
-    Node u;
-    std::memcpy(&u, nodes + 4 * i, sizeof(u));
-    const T mass = u[0];
-    u = u * (mass > T(0) ? T(1) / mass : T(0)) + fall;
-    u[0] = 0;
-    std::memcpy(nodes + 4 * i, &u, sizeof(u));
-    see(u);
-  }
-  if constexpr (kMeasure) std::memcpy(free, nodes, sizeof(nodes));
-  if (obstacle) {
-    apply_obstacles(block, nodes);
-    largest = Node{};
-    for (int i = 0; i < kBlockNodes; ++i) {
-      Node u;
-      std::memcpy(&u, nodes + 4 * i, sizeof(u));
-      see(u);
+  for_each_row(block, [&](int r, size_t at) PHYSMAS_LAMBDA_INLINE {
+    Nodes u;
+    std::memcpy(&u, momentum_.data() + at, sizeof(u));
+    std::memset(momentum_.data() + at, 0, sizeof(u));
+    if constexpr (kMeasure) {
+      std::memcpy(arrived + kRow * r, force_free_.data() + at, sizeof(u));
+      std::memset(force_free_.data() + at, 0, sizeof(u));
     }
+    const Nodes mass = __builtin_shufflevector(u, u, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12);
+    u = u * (mass > T(0) ? moving / mass : Nodes{}) + fall;
+    see(u);
+    nodes[r] = u;
+  });
+  T* const numbers = reinterpret_cast<T*>(nodes);
+  if constexpr (kMeasure) std::memcpy(free, nodes, sizeof(nodes));
+  if (obstacle_[index]) {
+    apply_obstacles(block, numbers);
+    largest = Nodes{};
+    for (const Nodes& u : nodes) see(u);
   }
-  for_each_row(block,
-               [&](int r, size_t at) { std::memcpy(velocity_.data() + at, nodes + kRow * r, kRow * sizeof(T)); });
+  for_each_row(block, [&](int r, size_t at) { std::memcpy(velocity_.data() + at, &nodes[r], sizeof(nodes[r])); });
   if constexpr (kMeasure) {
     energy_[index] = {};
-    for (int i = 0; i < kBlockNodes; ++i) measure_node(arrived + 4 * i, free + 4 * i, nodes + 4 * i, energy_[index]);
+    for (int i = 0; i < kBlockNodes; ++i) measure_node(arrived + 4 * i, free + 4 * i, numbers + 4 * i, energy_[index]);
   }
-  return std::max({double(largest[1]), double(largest[2]), double(largest[3])});
+  T speed = 0;
+  for (int k = 0; k < kRow; ++k) speed = largest[k] > speed ? largest[k] : speed;
+  return double(speed);
 }
 
 template <class T>

@@ -1,5 +1,5 @@
-// Carries one register of particles after the other to the grid and back: particles that are where their column
-// (column_transfer.h) was sorted to all at once, others one by one (row_transfer.h).
+// Carries registers of particles to the grid and back: columns (column_transfer.h) all at once, others particle by
+// particle (row_transfer.h).
 #ifndef PHYSMAS_MPM_GRID_EXCHANGE_H
 #define PHYSMAS_MPM_GRID_EXCHANGE_H
 
@@ -9,157 +9,120 @@
 
 namespace physmas::mpm {
 
-// Bit l: lane l.
-using LaneBits = unsigned;
-
-template <class T, class Abi>
-PHYSMAS_INLINE LaneBits lane_bits(const stdx::simd_mask<T, Abi>& mask) {
-  if constexpr (sizeof(mask) == 2 && stdx::simd_mask<T, Abi>::size() == 16) {
-    return same_bytes<std::uint16_t>(mask);
-  } else if constexpr (sizeof(mask) == 1) {
-    return same_bytes<std::uint8_t>(mask);
-  } else {
-    LaneBits bits = 0;
-    for (size_t l = 0; l < mask.size(); ++l) bits |= LaneBits(mask[l]) << l;
-    return bits;
-  }
-}
-
 template <class T>
 class GridExchange {
  public:
   using V = Lanes<T>;
   static constexpr int W = kLanes<T>;
+  static constexpr LaneBits kAllLanes = (LaneBits(1) << W) - 1;
 
-  explicit GridExchange(const GridLayout& grid) : step_{grid.step_x(), grid.step_y()} {
-    for (auto& s : sum_) s = Row<T>::zero();
-    std::memset(record_, 0, sizeof(record_));
-  }
+  explicit GridExchange(const GridLayout& grid) : step_{grid.step_x(), grid.step_y()} {}
 
-  // lanes: those that hold particles. nodes: from the block's first on. column: cell of the block that lanes 0..3 were
-  // sorted to, or -1 when the register is no column. Other lanes get numbers without meaning.
-  __attribute__((noinline)) void gather(const T* nodes, const Place<V>& at, int column, LaneBits lanes,
-                                        Vec3<V>& velocity, Mat3<V>& moment) {
-    Mask strayed(true);
-    if constexpr (kColumnCells<T> >= 2) {
-      if (column >= 0) {
-        strayed = strayed_from(at, column);
-        const LaneBits bits = lane_bits(strayed) & lanes;
-        if (in_column(bits)) {
-          gather_column(nodes + offset_of(column), step_, at, velocity, moment);
-          if (bits == 0) return;
-          lanes = bits;
-        } else {
-          strayed = Mask(true);
-        }
-      }
-    }
-    place(at);
+  // nodes: velocities from the block's first node on. x: the particles' positions, W numbers an axis [cells from that
+  // node]. lanes: those that hold particles; others get zeros.
+  __attribute__((noinline)) void gather_rows(const T* nodes, const T* x, LaneBits lanes, GridNumbers<T>& out) const {
+    const Vec3<V> at = load(x);
+    const Vec3<V> base = base_of(at);
+    const Place<V> place = place_of(at, base);
+    out.set_weights(place);
+    alignas(64) int offset[W];
+    write_offsets(base, offset);
+    alignas(64) T record[W][16];
     const RowSteps step = step_;
+    if (lanes != kAllLanes) std::memset(record, 0, sizeof(record));
     for (; lanes != 0; lanes &= lanes - 1) {
       const int l = __builtin_ctz(lanes);
       T w[9];
-      for (int k = 0; k < 9; ++k) w[k] = weight_[k][l];
-      gather_particle(nodes + offset_[l], step, w, w + 3, w + 6, record_[l]);
+      for (int k = 0; k < 9; ++k) w[k] = out.weight[k][l];
+      gather_particle(nodes + offset[l], step, w, w + 3, w + 6, record[l]);
     }
-    records_to_lanes<T>(record_, lanes_);
+    records_to_lanes<T>(record, out.number);
     for (int a = 0; a < 3; ++a) {
-      velocity[a] = select(strayed, V(lanes_[1 + a], stdx::vector_aligned), velocity[a]);
-      for (int b = 0; b < 3; ++b) {
-        moment[a][b] = select(strayed, V(lanes_[4 + 4 * b + 1 + a], stdx::vector_aligned), moment[a][b]);
-      }
+      const V v = out.get(out.vector(a));
+      for (int b = 0; b < 3; ++b) out.set(out.matrix(a, b), out.get(out.matrix(a, b)) + place.to_center[b] * v);
     }
   }
 
-  // Adds w {m, P + Q (node − centre node)} to the grid, some of it not before `flush`. Lanes without a particle must
-  // have no mass and no momentum.
-  __attribute__((noinline)) void scatter(T* nodes, const Place<V>& at, int column, LaneBits lanes, const V& mass,
-                                         const Vec3<V>& momentum, const Mat3<V>& Q) {
-    if constexpr (kColumnCells<T> >= 2) {
-      if (column >= 0) {
-        const Mask strayed = strayed_from(at, column);
-        const LaneBits bits = lane_bits(strayed) & lanes;
-        strays_ += __builtin_popcount(bits);
-        if (bits == 0) return scatter_column(nodes + offset_of(column), step_, at, mass, momentum, Q);
-        if (in_column(bits)) {
-          const V none(T(0));
-          const Vec3<V> nothing = {none, none, none};
-          scatter_column(nodes + offset_of(column), step_, at, select(strayed, none, mass),
-                         select(strayed, nothing, momentum), select(strayed, Mat3<V>{{nothing, nothing, nothing}}, Q));
-          lanes = bits;
-        }
-      }
-    }
-    place(at);
-    mass.copy_to(lanes_[0], stdx::vector_aligned);
-    for (int a = 0; a < 3; ++a) {
-      momentum[a].copy_to(lanes_[1 + a], stdx::vector_aligned);
-      for (int b = 0; b < 3; ++b) Q[a][b].copy_to(lanes_[4 + 4 * b + 1 + a], stdx::vector_aligned);
-    }
-    for (int k = 4; k < 16; k += 4) V(T(0)).copy_to(lanes_[k], stdx::vector_aligned);
-    lanes_to_records<T>(lanes_, record_);
-    // In registers, not in this object.
+  // nodes: what they have received, from the block's first on. in: with weights that belong to x.
+  __attribute__((noinline)) void scatter_rows(T* nodes, const T* x, LaneBits lanes, GridNumbers<T>& in) const {
+    const Vec3<V> base = base_of(load(x));
+    const V start = row_start(base.z);
+    const LaneBits later = lane_bits(base.z > start);
+    alignas(64) int offset[W];
+    write_offsets({base.x, base.y, start}, offset);
+    for (int k = 4; k < 16; k += 4) in.set(k, V(T(0)));
+    alignas(64) T record[W][16];
+    lanes_to_records<T>(in.number, record);
+    const RowSteps step = step_;
     Row<T> sum[9];
-    for (int k = 0; k < 9; ++k) sum[k] = sum_[k];
-    int corner = corner_;
-    const RowSteps step = step_;
+    const auto clear = [&] {
+      for (Row<T>& s : sum) s = Row<T>::zero();
+    };
+    clear();
+    int corner = offset[lanes != 0 ? __builtin_ctz(lanes) : 0];
     for (; lanes != 0; lanes &= lanes - 1) {
       const int l = __builtin_ctz(lanes);
-      if (offset_[l] != corner) {
-        if (corner != kNowhere) flush_rows(sum, nodes + corner, step);
-        corner = offset_[l];
+      if (offset[l] != corner) {
+        add_rows(sum, nodes + corner, step);
+        clear();
+        corner = offset[l];
       }
       T w[9];
-      for (int k = 0; k < 9; ++k) w[k] = weight_[k][l];
-      scatter_particle(sum, w, w + 3, w + 6, record_[l]);
+      for (int k = 0; k < 9; ++k) w[k] = in.weight[k][l];
+      scatter_particle(sum, later >> l & 1, w, w + 3, w + 6, record[l]);
     }
-    for (int k = 0; k < 9; ++k) sum_[k] = sum[k];
-    corner_ = corner;
+    add_rows(sum, nodes + corner, step);
   }
 
-  // Particles so far that were scattered while not in their column's cell.
-  int strays() const { return strays_; }
-
-  void flush(T* nodes) {
-    if (corner_ != kNowhere) flush_rows(sum_, nodes + corner_, step_);
-    corner_ = kNowhere;
+  // The base node of a column's lanes. column: the block's cell that is the column's lowest.
+  static PHYSMAS_INLINE Vec3<V> column_base(int column) {
+    const V z_of_lane([](int l) { return T(l / kColumnSlots); });
+    return {V(T(column / (kBlock * kBlock))), V(T(column / kBlock % kBlock)), V(T(column % kBlock)) + z_of_lane};
+  }
+  // `count` registers of one column, at most kColumnBatch. x and lanes: per register.
+  __attribute__((noinline)) void gather_columns(const T* nodes, int column, int count, const T* const* x,
+                                                const LaneBits* lanes, GridNumbers<T>* out) const {
+    const Vec3<V> base = column_base(column);
+    const auto some = [&](int r, auto how_many) PHYSMAS_LAMBDA_INLINE {
+      constexpr int R = decltype(how_many)::value;
+      Place<V> place[R];
+      for (int k = 0; k < R; ++k) {
+        place[k] = place_of(load(x[r + k]), base);
+        if (lanes[r + k] == kAllLanes) continue;
+        const auto held = lane_mask<T>(lanes[r + k]);
+        for (V& w : place[k].weight[0]) w = select(held, w, V(T(0)));
+      }
+      mpm::gather_columns<R>(nodes + offset_of(column), step_, place, out + r);
+    };
+    int r = 0;
+    for (; r + 2 <= count; r += 2) some(r, std::integral_constant<int, 2>());
+    if (r < count) some(r, std::integral_constant<int, 1>());
+  }
+  // Lanes without a particle must have no mass and no momentum.
+  __attribute__((noinline)) void scatter_columns(T* nodes, int column, int count, const GridNumbers<T>* in) const {
+    mpm::scatter_columns(nodes + offset_of(column), step_, count, in);
   }
 
  private:
-  using Mask = typename V::mask_type;
-
-  // Beyond half a register, one by one is faster than twice.
-  static bool in_column(LaneBits strayed) { return __builtin_popcount(strayed) <= W / 2; }
-  static Mask strayed_from(const Place<V>& at, int column) {
-    const int x = column / (kBlock * kBlock), y = column / kBlock % kBlock, z = column % kBlock;
-    const V z_of_lane([z](int l) { return T(z + l / kColumnSlots); });
-    return at.base.x != V(T(x)) || at.base.y != V(T(y)) || at.base.z != z_of_lane;
+  static PHYSMAS_INLINE Vec3<V> load(const T* x) {
+    return {V(x, stdx::vector_aligned), V(x + W, stdx::vector_aligned), V(x + 2 * W, stdx::vector_aligned)};
   }
-  void place(const Place<V>& at) {
-    for (int k = 0; k < 9; ++k) at.weight[k / 3][k % 3].copy_to(weight_[k], stdx::vector_aligned);
+  // Of the stencils, from the block's first node.
+  PHYSMAS_INLINE void write_offsets(const Vec3<V>& base, int* offset) const {
+    typedef int Integers __attribute__((vector_size(W * sizeof(int))));
     const auto whole = [](const V& x) {
       typedef T Numbers __attribute__((vector_size(sizeof(V))));
       return __builtin_convertvector(same_bytes<Numbers>(x), Integers);
     };
-    const Integers offsets = whole(at.base.x) * static_cast<int>(step_.x) +
-                             whole(at.base.y) * static_cast<int>(step_.y) + whole(at.base.z) * 4;
-    std::memcpy(offset_, &offsets, sizeof(offsets));
+    const Integers offsets =
+        whole(base.x) * static_cast<int>(step_.x) + whole(base.y) * static_cast<int>(step_.y) + whole(base.z) * 4;
+    std::memcpy(offset, &offsets, sizeof(offsets));
   }
   std::ptrdiff_t offset_of(int cell) const {
-    return std::ptrdiff_t{cell / (kBlock * kBlock)} * static_cast<int>(step_.x) +
-           cell / kBlock % kBlock * static_cast<int>(step_.y) + cell % kBlock * 4;
+    return cell / (kBlock * kBlock) * step_.x + cell / kBlock % kBlock * step_.y + cell % kBlock * 4;
   }
 
-  typedef int Integers __attribute__((vector_size(W * sizeof(int))));
-  static constexpr int kNowhere = std::numeric_limits<int>::min();
-
   const RowSteps step_;
-  Row<T> sum_[9];  // of the particles that were scattered one by one to the stencil at corner_
-  int corner_ = kNowhere, strays_ = 0;
-  alignas(64) T record_[W][16];
-  alignas(64) T weight_[9][W];  // three along x, y and z
-  alignas(64) T lanes_[16][W];
-  alignas(64) int offset_[W];  // of the stencils, from the block's first node
 };
 
 }  // namespace physmas::mpm

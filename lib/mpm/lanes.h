@@ -38,6 +38,35 @@ PHYSMAS_INLINE To same_bytes(const From& from) {
   return to;
 }
 
+// Bit l: lane l.
+using LaneBits = unsigned;
+
+template <class T, class Abi>
+PHYSMAS_INLINE LaneBits lane_bits(const stdx::simd_mask<T, Abi>& mask) {
+  if constexpr (sizeof(mask) == 2 && stdx::simd_mask<T, Abi>::size() == 16) {
+    return same_bytes<std::uint16_t>(mask);
+  } else if constexpr (sizeof(mask) == 1) {
+    return same_bytes<std::uint8_t>(mask);
+  } else {
+    LaneBits bits = 0;
+    for (size_t l = 0; l < mask.size(); ++l) bits |= LaneBits(mask[l]) << l;
+    return bits;
+  }
+}
+template <class T>
+PHYSMAS_INLINE typename Lanes<T>::mask_type lane_mask(LaneBits bits) {
+  using Mask = typename Lanes<T>::mask_type;
+  if constexpr (sizeof(Mask) == 2 && kLanes<T> == 16) {
+    return same_bytes<Mask>(static_cast<std::uint16_t>(bits));
+  } else if constexpr (sizeof(Mask) == 1) {
+    return same_bytes<Mask>(static_cast<std::uint8_t>(bits));
+  } else {
+    Mask mask(false);
+    for (int l = 0; l < kLanes<T>; ++l) mask[l] = bits >> l & 1;
+    return mask;
+  }
+}
+
 template <class T, class Abi>
 PHYSMAS_INLINE stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& condition, const stdx::simd<T, Abi>& yes,
                                          const stdx::simd<T, Abi>& no) {

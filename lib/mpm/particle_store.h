@@ -1,10 +1,10 @@
 // The particles of a run in the order and precision that the substep works with.
 //
-// Slots are sorted by block. A block begins with registers that are columns: four particles of one row in each of some
-// cells that are neighbours along z (column_transfer.h), where a cell has that many. What is left follows by row, so
-// that nearly all lanes of a register share a branch, and then by cell, so that neighbours share nodes. Every block
-// begins with a new register. Positions are in cells from the block's first node, which makes float positions eight to
-// sixteen times finer than absolute ones.
+// Slots are sorted by block. A block ends with registers that are columns: four particles of one row in each of some
+// cells that are neighbours along z (column_transfer.h), where a cell has that many. What is left lies before them by
+// row, so that nearly all lanes of a register share a branch, and then by cell. Between sorts a particle that leaves
+// its cell of a column moves there too. Every block begins with a new register. Positions are in cells from the block's
+// first node, which makes float positions eight to sixteen times finer than absolute ones.
 #ifndef PHYSMAS_MPM_PARTICLE_STORE_H
 #define PHYSMAS_MPM_PARTICLE_STORE_H
 
@@ -33,6 +33,9 @@ class ParticleStore {
   void store(State& state) const;
   // Puts every particle into the block that it is in now. Velocities and affine states are lost.
   void sort();
+  // Takes lanes that have left their cells out of a column of block `block`. Where the block has no room for them, the
+  // register no longer is a column.
+  void leave_column(int block, int group, LaneBits lanes);
 
   BlockMap map;
   // One number per slot; those of a register of slots are contiguous.
@@ -73,7 +76,9 @@ class ParticleStore {
   };
   static constexpr int kStay = 13;
   // A register becomes a column from so many particles on: each empty lane costs its share of the stress.
-  static constexpr int kLeastFilled = W - W / 8;
+  static constexpr int kLeastFilled = 12;
+  // Room for what leaves columns between sorts: a slot for so many particles in columns.
+  static constexpr int kColumnsPerSpare = 8;
 
   // What the slots of a block will hold: indices into arrivals_, -1: nothing. And the columns of its registers.
   struct Layout {
@@ -274,9 +279,8 @@ void ParticleStore<T>::lay_out(ParticleBlock& block, Layout& layout) const {
     std::stable_sort(order.begin(), order.end(), [&](int k, int l) { return arrivals_[k].row < arrivals_[l].row; });
   }
 
-  layout.from.clear();
+  std::vector<int> columns, loose;
   layout.column.clear();
-  std::vector<int> loose;
   if constexpr (kColumnCells<T> >= 2) {
     constexpr int kCells = kColumnCells<T>;
     for (int at = 0; at < block.count;) {
@@ -294,7 +298,7 @@ void ParticleStore<T>::lay_out(ParticleBlock& block, Layout& layout) const {
         if (filled < kLeastFilled) break;
         for (int z = 0; z < kCells; ++z) {
           const int taken = std::min(count[z], kColumnSlots);
-          for (int s = 0; s < kColumnSlots; ++s) layout.from.push_back(s < taken ? order[begin[z]++] : -1);
+          for (int s = 0; s < kColumnSlots; ++s) columns.push_back(s < taken ? order[begin[z]++] : -1);
           count[z] -= taken;
         }
         layout.column.push_back(column * kCells);
@@ -306,10 +310,52 @@ void ParticleStore<T>::lay_out(ParticleBlock& block, Layout& layout) const {
   } else {
     loose = std::move(order);
   }
-  layout.from.insert(layout.from.end(), loose.begin(), loose.end());
-  block.slots = static_cast<int>(layout.from.size() + W - 1) / W * W;
-  layout.from.resize(block.slots, -1);
-  layout.column.resize(block.slots / W, -1);
+  const int room = static_cast<int>(loose.size() + columns.size() / kColumnsPerSpare);
+  block.loose = (room + W - 1) / W;
+  block.strayed = 0;
+  layout.from.assign(block.loose * W, -1);
+  for (size_t k = 0; k < loose.size(); ++k) layout.from[k] = loose[k];
+  layout.from.insert(layout.from.end(), columns.begin(), columns.end());
+  block.slots = static_cast<int>(layout.from.size());
+  layout.column.insert(layout.column.begin(), block.loose, -1);
+}
+
+template <class T>
+void ParticleStore<T>::leave_column(int block, int group, LaneBits lanes) {
+  ParticleBlock& home = map.particle_blocks[block];
+  const LaneBits all = (LaneBits(1) << W) - 1, held = group_lanes[group];
+  const int row = group_row[group], first = home.begin / W;
+  int room = 0;
+  for (int g = first; g < first + home.loose; ++g) room += __builtin_popcount(all & ~group_lanes[g]);
+  home.strayed += __builtin_popcount(lanes);
+  if (room < __builtin_popcount(lanes)) {
+    group_column[group] = -1;
+    home.strayed += __builtin_popcount(held & ~lanes);
+    return;
+  }
+  for (LaneBits left = lanes; left != 0; left &= left - 1) {
+    // Among its own kind if possible.
+    int to = -1;
+    for (int g = first; g < first + home.loose; ++g) {
+      if (group_lanes[g] == all) continue;
+      const bool own_kind = group_lanes[g] == 0 || group_row[g] == row;
+      if (to < 0 || own_kind) to = g;
+      if (own_kind) break;
+    }
+    const int lane = __builtin_ctz(left), free = __builtin_ctz(~group_lanes[to]);
+    for (int c = 0; c < channels_; ++c) {
+      numbers(to)[c * W + free] = numbers(group)[c * W + lane];
+      numbers(group)[c * W + lane] = empty_[c * W + lane];
+    }
+    const int slot = group * W + lane;
+    for (int a = 0; a < 3; ++a) x[a][slot] = rest(slot, a);
+    particle[to * W + free] = particle[slot];
+    particle[slot] = -1;
+    group_row[to] = group_lanes[to] == 0 || group_row[to] == row ? row : -1;
+    group_lanes[to] |= LaneBits(1) << free;
+    group_controlled[to] |= group_controlled[group];
+  }
+  group_lanes[group] &= ~lanes;
 }
 
 // From from_ and particle: what the lanes of a group have in common.

@@ -11,20 +11,29 @@ namespace physmas::mpm {
 // Quadratic B-splines (Steffen et al. 2008): three nodes per axis.
 template <class V>
 struct Place {
-  Vec3<V> base;       // lowest node of the stencil, counted from the block's first node
   Vec3<V> to_center;  // from the particle to the centre node [cells]
   V weight[3][3];     // per axis
 };
 
-// x: cells from the block's first node. Base nodes are held inside the block's reach, so that no number whatsoever can
-// lead a transfer outside it; where that bites, the solver's speed check ends the run.
+// The lowest node of the stencils of particles at x [cells from the block's first node], counted from that node. It is
+// held inside the block's reach, so that no number whatsoever can lead a transfer outside it; where that bites, the
+// solver's speed check ends the run.
 template <class V>
-PHYSMAS_INLINE Place<V> place_of(const Vec3<V>& x) {
+PHYSMAS_INLINE Vec3<V> base_of(const Vec3<V>& x) {
+  using T = Scalar<V>;
+  Vec3<V> base;
+  for (int axis = 0; axis < 3; ++axis) {
+    base[axis] = at_most(at_least(round_down(x[axis] - T(0.5)), V(T(-1))), V(T(kBlock)));
+  }
+  return base;
+}
+
+template <class V>
+PHYSMAS_INLINE Place<V> place_of(const Vec3<V>& x, const Vec3<V>& base) {
   using T = Scalar<V>;
   Place<V> at;
   for (int axis = 0; axis < 3; ++axis) {
-    at.base[axis] = at_most(at_least(round_down(x[axis] - T(0.5)), V(T(-1))), V(T(kBlock)));
-    const V f = x[axis] - at.base[axis];
+    const V f = x[axis] - base[axis];
     const V l = T(1.5) - f, r = f - T(0.5);
     V* const w = at.weight[axis];
     w[0] = T(0.5) * l * l, w[2] = T(0.5) * r * r;
@@ -32,6 +41,15 @@ PHYSMAS_INLINE Place<V> place_of(const Vec3<V>& x) {
     at.to_center[axis] = T(1) - f;
   }
   return at;
+}
+
+// Whether the stencils do not begin where `at` was taken to begin.
+template <class V>
+PHYSMAS_INLINE auto strayed(const Place<V>& at) {
+  using T = Scalar<V>;
+  const V half(T(0.5));
+  const Vec3<V>& d = at.to_center;
+  return !(absolute(d.x) <= half && absolute(d.y) <= half && absolute(d.z) <= half);
 }
 
 }  // namespace physmas::mpm

@@ -31,11 +31,6 @@ struct Row {
     return r;
   }
   PHYSMAS_INLINE void store(T* p) const { std::memcpy(p, &part, sizeof(part)); }
-  // The twelve numbers of nodes 0 to 2 only: node 3 may be another thread's.
-  PHYSMAS_INLINE void store_three_nodes(T* p) const {
-    std::memcpy(p, &part, 8 * sizeof(T));
-    std::memcpy(p + 8, reinterpret_cast<const char*>(&part) + 8 * sizeof(T), 4 * sizeof(T));
-  }
   PHYSMAS_INLINE static Row zero() {
     Row r;
     for (int i = 0; i < kParts; ++i) r.part[i] = Part{};

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "mpm/blocks.h"
 #include "mpm/row.h"
 
 namespace physmas::mpm {
@@ -47,14 +48,37 @@ PHYSMAS_INLINE void gather_particle(const T* corner, const RowSteps& step, const
   R::sums_of_nodes(total, along_x, along_y, along_z).store(out);
 }
 
-// Adds w (P + Q (node − centre node)) to nine row accumulators. record: {m, P}, and the columns of Q, four numbers
-// each.
+// Rows of four nodes begin at every other node, so that particles of two neighbouring cells along z share them; at the
+// ends of a block's reach they begin where they do not leave it. Such a row's first node, for stencils from base on.
+template <class V>
+PHYSMAS_INLINE V row_start(const V& base) {
+  using T = Scalar<V>;
+  return at_most(at_least(T(2) * round_down(T(0.5) * base), V(T(-1))), V(T(kBlock - 1)));
+}
+
+// Rows with 1 in the four numbers of one node, 0 to 3, and 0 elsewhere.
 template <class T>
-PHYSMAS_INLINE void scatter_particle(Row<T>* sum, const T* wx, const T* wy, const T* wz, const T* record) {
+struct NodeUnits {
+  alignas(64) T number[4][16];
+  constexpr NodeUnits() : number{} {
+    for (int k = 0; k < 4; ++k) {
+      for (int c = 0; c < 4; ++c) number[k][4 * k + c] = 1;
+    }
+  }
+};
+template <class T>
+constexpr NodeUnits<T> kNodeUnits;
+
+// Adds w (P + Q (node − centre node)) to the sums of nine rows. record: {m, P}, and the columns of Q, four numbers
+// each. later: nodes of the row before the particle's own, 0 or 1; without a branch, since no one could foretell it.
+template <class T>
+PHYSMAS_INLINE void scatter_particle(Row<T>* sum, int later, const T* wx, const T* wy, const T* wz, const T* record) {
   using R = Row<T>;
-  const R weight = z_weights(wz);
+  const T(*const unit)[16] = kNodeUnits<T>.number + later;
+  const R first = R::load(unit[0]), last = R::load(unit[2]);
+  const R weight = wz[0] * first + (wz[1] * R::load(unit[1]) + wz[2] * last);
   const R all = R::load(record);
-  const R center = (all.template repeat<0>() + z_steps<T>() * all.template repeat<3>()) * weight;
+  const R center = (all.template repeat<0>() + (last - first) * all.template repeat<3>()) * weight;
   const R x = all.template repeat<1>() * weight, y = all.template repeat<2>() * weight;
   const R plane[3] = {wx[0] * (center - x), wx[1] * center, wx[2] * (center + x)};
   for (int i = 0; i < 3; ++i) {
@@ -66,12 +90,11 @@ PHYSMAS_INLINE void scatter_particle(Row<T>* sum, const T* wx, const T* wy, cons
 }
 
 template <class T>
-PHYSMAS_INLINE void flush_rows(Row<T>* sum, T* corner, const RowSteps& step) {
+PHYSMAS_INLINE void add_rows(const Row<T>* sum, T* corner, const RowSteps& step) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       T* row = corner + i * step.x + j * step.y;
-      (Row<T>::load(row) + sum[3 * i + j]).store_three_nodes(row);
-      sum[3 * i + j] = Row<T>::zero();
+      (Row<T>::load(row) + sum[3 * i + j]).store(row);
     }
   }
 }

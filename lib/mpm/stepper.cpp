@@ -97,33 +97,32 @@ template <class T>
 template <bool kGather, bool kScatter>
 void TypedStepper<T>::pass(double dt, StepReport& report) {
   const Stopwatch watch;
-  // Threads take blocks by colour and meet at no node; where neighbours of another colour are at work, they wait. So
-  // every node sums in the same order, whatever the threads.
+  // Threads take runs of blocks by colour and meet at no node; where neighbours of another colour are at work, they
+  // wait. So every node sums in the same order, whatever the threads.
   const BlockMap& map = store_.map;
   ++pass_;
   const auto for_each_block = [&](const auto& work) {
-    const int count = static_cast<int>(map.order.size());
-    setup_.team->for_each(map.order_bounds, [&](int k) {
-      const int b = map.order[k];
-      for (const int other : map.waits_for[b]) {
-        for (int round = 0; kScatter && done_[other].load(std::memory_order_acquire) != pass_; ++round) {
-          Team::pause(round);
+    setup_.team->for_each(map.thread_bounds, [&](int run) {
+      for (int k = map.run_bounds[run]; k < map.run_bounds[run + 1]; ++k) {
+        const int b = map.order[k];
+        for (const int other : map.waits_for[b]) {
+          for (int round = 0; kScatter && done_[other].load(std::memory_order_acquire) != pass_; ++round) {
+            Team::pause(round);
+          }
         }
+        work(b);
+        done_[b].store(pass_, std::memory_order_release);
       }
-      work(b, k + 1 < count ? map.order[k + 1] : -1);
-      done_[b].store(pass_, std::memory_order_release);
     });
   };
   if (setup_.measure_steps) {
-    for_each_block(
-        [&](int b, int next) { reports_[b] = block_pass_.template run<kGather, kScatter, true>(b, next, dt); });
+    for_each_block([&](int b) { reports_[b] = block_pass_.template run<kGather, kScatter, true>(b, dt); });
     ParticleEnergy energy;
     for (const BlockReport& r : reports_) energy.add(r.energy);
     kGather ? ledger_.finish(energy) : ledger_.begin(energy);
     report.energy = ledger_.total();
   } else {
-    for_each_block(
-        [&](int b, int next) { reports_[b] = block_pass_.template run<kGather, kScatter, false>(b, next, dt); });
+    for_each_block([&](int b) { reports_[b] = block_pass_.template run<kGather, kScatter, false>(b, dt); });
   }
   double kinetic = 0, speed_squared = 0;
   long long clamped = 0;
