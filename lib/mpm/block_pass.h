@@ -97,8 +97,11 @@ MaterialParameters<typename BlockPass<T>::V> BlockPass<T>::group_parameters(int 
     std::memcpy(numbers, &parameters_[row], sizeof(numbers));
     for (int k = 0; k < kMaterialParameterCount; ++k) lanes[k][l] = numbers[k];
   }
-  const auto at = [&](int k) { return V(lanes[k], stdx::vector_aligned); };
-  return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7), at(8), at(9), at(10)};
+  MaterialParameters<V> p;
+  for (int k = 0; k < kMaterialParameterCount; ++k) {
+    std::memcpy(reinterpret_cast<char*>(&p) + k * sizeof(V), lanes[k], sizeof(V));
+  }
+  return p;
 }
 
 template <class T>

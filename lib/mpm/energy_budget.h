@@ -122,9 +122,7 @@ Mat3<Wide> widen(const Mat3<V>& a, int part) {
 }
 template <class V>
 MaterialParameters<Wide> widen(const MaterialParameters<V>& p, int part) {
-  const auto w = [&](const V& x) { return widen(x, part); };
-  return {w(p.mu),       w(p.lambda), w(p.bulk),      w(p.density),   w(p.friction),      w(p.alpha),
-          w(p.cohesion), w(p.yield),  w(p.viscosity), w(p.softening), w(p.residual_yield)};
+  return map_parameters<Wide>(p, [part](const V& x) { return widen(x, part); });
 }
 
 // a : b
@@ -147,7 +145,7 @@ inline void stresses(Branch branch, const MaterialParameters<Wide>& p, const Mat
   Vec3<Wide> tau = hencky_principal(q.strain, p.mu, p.lambda);
   for (int i = 0; i < 3; ++i) tau[i] = tau[i] * q.inside[i];
   potential = acting = from_principal(q.svd.U, tau);
-  if (has_stress_cone(branch)) acting = from_principal(q.svd.U, project_to_cone(tau, p.alpha, p.cohesion));
+  if (has_stress_cone(branch)) acting = from_principal(q.svd.U, project_to_cone(tau, p));
 }
 
 // Foam's loss at the yield strength; the rest of the loss is viscous. Only the deviator ε' of the strain flows, so the

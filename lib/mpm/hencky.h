@@ -81,8 +81,8 @@ PHYSMAS_INLINE Vec3<T> apply(const Radial<T>& map, const Vec3<T>& a) {
 
 // Principal stresses cut to the Drucker–Prager cone (plasticity.h).
 template <class T>
-PHYSMAS_INLINE Vec3<T> project_to_cone(const Vec3<T>& tau, const T& alpha, const T& k) {
-  return apply(project_to_cone(Scalar<T>(1.0 / 3.0) * sum(tau), norm(deviator(tau)), alpha, k), tau);
+PHYSMAS_INLINE Vec3<T> project_to_cone(const Vec3<T>& tau, const MaterialParameters<T>& p) {
+  return apply(project_to_cone(Scalar<T>(1.0 / 3.0) * sum(tau), norm(deviator(tau)), p), tau);
 }
 
 // One step by singular values: updates F (where it yields; elsewhere it stays bit for bit) and the strength of
@@ -104,7 +104,7 @@ inline Mat3<T> update_hencky_by_svd(Branch branch, const MaterialParameters<T>& 
   }
   Vec3<T> tau = hencky_principal(strain, p.mu, p.lambda);
   for (int i = 0; i < 3; ++i) tau[i] = tau[i] * select(moved, T(1), q.inside[i]);
-  if (has_stress_cone(branch)) tau = project_to_cone(tau, p.alpha, p.cohesion);
+  if (has_stress_cone(branch)) tau = project_to_cone(tau, p);
   return from_principal(q.svd.U, tau);
 }
 
@@ -112,10 +112,11 @@ inline Mat3<T> update_hencky_by_svd(Branch branch, const MaterialParameters<T>& 
 // F ← exp(ε' − ε) F, so both are isotropic functions of b = F Fᵀ.
 
 // exp(ε' − ε) with ε' = map(ε): eigenvalues exp(shift + (keep − 1) dev ε_i). difference: divided differences of the
-// strain, number 1 to 2 and 2 to 3.
+// strain, number 1 to 2 and 2 to 3; inverse: of the gap 1 to 3.
 template <class T>
 PHYSMAS_INLINE Symmetric<T> plastic_increment(const Spectrum<T>& q, const Vec3<T>& deviatoric, const T& mean,
-                                              const Radial<T>& map, const T& difference12, const T& difference23) {
+                                              const Radial<T>& map, const T& difference12, const T& difference23,
+                                              const T& inverse) {
   const T power = map.keep - T(1), shift = map.mean - mean;
   Vec3<T> g;
   for (int i = 0; i < 3; ++i) g[i] = exponential(shift + power * deviatoric[i]);
@@ -123,7 +124,7 @@ PHYSMAS_INLINE Symmetric<T> plastic_increment(const Spectrum<T>& q, const Vec3<T
   const T half = Scalar<T>(0.5) * power;
   const T g12 = square_root(g.x * g.y) * (power * difference12) * sinh_over(half * (deviatoric.x - deviatoric.y));
   const T g23 = square_root(g.y * g.z) * (power * difference23) * sinh_over(half * (deviatoric.y - deviatoric.z));
-  return isotropic(q, g.x, g12, second_difference(q, g12, g23));
+  return isotropic(q, g.x, g12, (g12 - g23) * inverse);
 }
 
 template <class T>
@@ -145,21 +146,21 @@ PHYSMAS_INLINE Mat3<T> update_hencky(Branch branch, const MaterialParameters<T>&
   const T gap12 = q.offset.x - q.offset.y, gap23 = q.offset.y - q.offset.z;
   const T e12 = S(0.5) * log_difference(q.value.x, q.value.y, gap12, strain.x + strain.x, strain.y + strain.y);
   const T e23 = S(0.5) * log_difference(q.value.y, q.value.z, gap23, strain.y + strain.y, strain.z + strain.z);
+  const T inverse = inverse_gap(q);
   decltype(p.mu > p.mu) moved = T(1) < T(0);
   const Radial<T> map = return_map(branch, p, mean, size, S(3) * q.mean, dt, strength, moved);
   moved = moved && ordinary;
   if (any(moved)) {
-    F = select(moved, to_matrix(plastic_increment(q, d, mean, map, e12, e23)) * F, F);
+    F = select(moved, to_matrix(plastic_increment(q, d, mean, map, e12, e23, inverse)) * F, F);
   }
   T tau_mean = (p.mu + p.mu + S(3) * p.lambda) * map.mean;
   T tau_keep = (p.mu + p.mu) * map.keep;
   if (has_stress_cone(branch)) {
-    const Radial<T> cone = project_to_cone(tau_mean, tau_keep * size, p.alpha, p.cohesion);
+    const Radial<T> cone = project_to_cone(tau_mean, tau_keep * size, p);
     tau_mean = cone.mean;
     tau_keep = tau_keep * cone.keep;
   }
-  Mat3<T> tau =
-      to_matrix(isotropic(q, tau_mean + tau_keep * d.x, tau_keep * e12, tau_keep * second_difference(q, e12, e23)));
+  Mat3<T> tau = to_matrix(isotropic(q, tau_mean + tau_keep * d.x, tau_keep * e12, tau_keep * ((e12 - e23) * inverse)));
   if (exceptional) {
     tau = select(ordinary, tau, other_tau);
     F = select(ordinary, F, other_F);

@@ -37,14 +37,17 @@ struct MaterialParameters {
   T mu, lambda;       // Lamé parameters [Pa] (paper, Eq. "supp-lame")
   T bulk;             // lambda + 2 mu / 3 [Pa]
   T density;          // [kg/m^3]
+  T inverse_mu;       // 1 / (2 mu) [1/Pa]
   T friction;         // sand: the cone |dev tau| <= -friction tr tau of the return map (Klar et al. 2016)
+  T strain_friction;  // the same cone of strains: |dev eps| <= -strain_friction tr eps
   T alpha, cohesion;  // stress cone |dev tau| <= max(0, cohesion - alpha tr tau)
+  T apex;             // tr tau / 3 at its tip [Pa]
   T yield;            // foam and plasticine: initial von Mises strength [Pa]
   T viscosity;        // foam [Pa s]
   T softening;        // plasticine [Pa]
   T residual_yield;   // plasticine: strength never falls below this [Pa]
 };
-constexpr int kMaterialParameterCount = 11;
+constexpr int kMaterialParameterCount = 14;
 
 inline MaterialParameters<double> derive_parameters(const Material& m, const ProfileConstants& c) {
   MaterialParameters<double> p{};
@@ -53,11 +56,15 @@ inline MaterialParameters<double> derive_parameters(const Material& m, const Pro
   p.bulk = p.lambda + 2 * p.mu / 3;
   p.density = m.rho;
   const double sine = std::sin(c.sand_friction_angle * 3.14159265358979323846 / 180);
+  p.inverse_mu = 1 / (2 * p.mu);
   p.friction = std::sqrt(2.0 / 3.0) * 2 * sine / (3 - sine);
+  p.strain_friction = p.friction * (3 * p.lambda + 2 * p.mu) * p.inverse_mu;
   p.alpha = c.drucker_prager_alpha;
   p.cohesion = m.branch == Branch::sand   ? c.sand_cohesion
                : m.branch == Branch::snow ? c.snow_cohesion
                                           : c.plasticine_cohesion;
+  constexpr double kNoTip = 1e30;  // where the cone is a cylinder; fits every type
+  p.apex = p.cohesion < 3 * p.alpha * kNoTip ? p.cohesion / (3 * p.alpha) : p.cohesion > 0 ? kNoTip : 0;
   p.yield = m.branch == Branch::foam ? c.foam_yield : c.plasticine_yield;
   p.viscosity = c.foam_viscosity;
   p.softening = c.plasticine_softening;
@@ -65,12 +72,17 @@ inline MaterialParameters<double> derive_parameters(const Material& m, const Pro
   return p;
 }
 
-// Same numbers in another type: the solver's precision, or the same in every SIMD lane.
+// The same numbers, each through a function.
+template <class T, class From, class Function>
+PHYSMAS_INLINE MaterialParameters<T> map_parameters(const MaterialParameters<From>& p, const Function& to) {
+  return {to(p.mu),       to(p.lambda),          to(p.bulk),      to(p.density),       to(p.inverse_mu),
+          to(p.friction), to(p.strain_friction), to(p.alpha),     to(p.cohesion),      to(p.apex),
+          to(p.yield),    to(p.viscosity),       to(p.softening), to(p.residual_yield)};
+}
+// In another type: the solver's precision, or the same in every SIMD lane.
 template <class T, class From>
 inline MaterialParameters<T> convert_parameters(const MaterialParameters<From>& p) {
-  const auto to = [](From number) { return T(static_cast<Scalar<T>>(number)); };
-  return {to(p.mu),       to(p.lambda), to(p.bulk),      to(p.density),   to(p.friction),      to(p.alpha),
-          to(p.cohesion), to(p.yield),  to(p.viscosity), to(p.softening), to(p.residual_yield)};
+  return map_parameters<T>(p, [](From number) { return T(static_cast<Scalar<T>>(number)); });
 }
 
 // Speed of the fastest elastic wave [m/s] (paper, Eq. "supp-wavespeed").

@@ -13,7 +13,7 @@
 #include <cmath>
 #include <vector>
 
-#include "mpm/blocks.h"
+#include "mpm/block_layout.h"
 #include "mpm/buffer.h"
 #include "mpm/grid_exchange.h"
 #include "mpm/stepper.h"
@@ -64,29 +64,12 @@ class ParticleStore {
   PHYSMAS_INLINE void prefetch(int group) const {
     const T* at = numbers_.data() + static_cast<size_t>(group) * channels_ * W;
     for (int c = 0; c < channels_; ++c) __builtin_prefetch(at + c * W, 1);
+    __builtin_prefetch(particle.data() + static_cast<size_t>(group) * W, 1);
   }
   size_t bytes() const;
 
  private:
-  // A particle on its way to its new block: the old slot (load: the particle), its row, its cell there, and the old
-  // block's place relative to the new one, 0..26.
-  struct Arrival {
-    int source, row;
-    std::uint8_t cell, shift;
-  };
-  static constexpr int kStay = 13;
-  // A register becomes a column from so many particles on: each empty lane costs its share of the stress.
-  static constexpr int kLeastFilled = 12;
-  // Room for what leaves columns between sorts: a slot for so many particles in columns.
-  static constexpr int kColumnsPerSpare = 8;
-
-  // What the slots of a block will hold: indices into arrivals_, -1: nothing. And the columns of its registers.
-  struct Layout {
-    std::vector<int> from, column;
-  };
-
   void place();
-  void lay_out(ParticleBlock& block, Layout& layout) const;
   // Where an empty slot's particle rests [cells]: inside its cell of a column, so that it does not stray.
   T rest(int slot, int axis) const {
     const int column = group_column[slot / W];
@@ -94,8 +77,11 @@ class ParticleStore {
     const int cell = column + slot % W / kColumnSlots;
     return T(1 + (axis == 0 ? cell / (kBlock * kBlock) : axis == 1 ? cell / kBlock % kBlock : cell % kBlock));
   }
+  template <class Function>
+  void for_each_register(int b, const Function& function) const;
   void bind();
-  void describe(int group);
+  // What the lanes of a group have in common. from: per slot, the arrival that it holds, or null.
+  void describe(int group, const Arrival* const* from);
   // Calls function(channel, what an empty slot holds).
   template <class Function>
   void for_each_channel(const Function& function) {
@@ -116,8 +102,7 @@ class ParticleStore {
     std::uint8_t cell, code;
   };
   std::vector<Departure> departures_;  // per slot
-  std::vector<Layout> layouts_;        // per block
-  std::vector<int> from_;              // per slot: index into arrivals_, -1 for an empty one
+  std::vector<BlockLayout<W>> layouts_;  // per block; indices count from the block's first arrival
   int channels_ = 0;
   std::vector<T> empty_;  // the numbers of a register of empty slots
   // What lives from substep to substep; and where sorting puts it, which between intervals keeps v and C instead.
@@ -135,14 +120,6 @@ ParticleStore<T>::ParticleStore(const StepperSetup& setup, double safe_cells)
     ++channels_;
   });
 }
-
-namespace store_detail {
-
-constexpr int cell_index(const int* base) {
-  return (base[0] * kBlock + base[1]) * kBlock + base[2];
-}
-
-}  // namespace store_detail
 
 template <class T>
 long long ParticleStore<T>::load(const State& state) {
@@ -163,7 +140,7 @@ long long ParticleStore<T>::load(const State& state) {
     }
     clamped += moved;
     id[i] = map.block_id(block[0], block[1], block[2]);
-    cell[i] = static_cast<std::uint8_t>(store_detail::cell_index(inside));
+    cell[i] = static_cast<std::uint8_t>((inside[0] * kBlock + inside[1]) * kBlock + inside[2]);
   }
   map.start(id);
   for (const int i : id) ++map.particle_blocks[map.index_of(i)].count;
@@ -174,7 +151,7 @@ long long ParticleStore<T>::load(const State& state) {
     first += block.count;
   }
   arrivals_.resize(count);
-  for (int i = 0; i < count; ++i) arrivals_[next[map.index_of(id[i])]++] = {i, setup_.row[i], cell[i], kStay};
+  for (int i = 0; i < count; ++i) arrivals_[next[map.index_of(id[i])]++] = {i, setup_.row[i], cell[i], Arrival::kStay};
   place();
 
   numbers_.resize(static_cast<size_t>(slots_) * channels_);
@@ -183,23 +160,25 @@ long long ParticleStore<T>::load(const State& state) {
   particle.resize(slots_);
   setup_.team->for_each(static_cast<int>(map.particle_blocks.size()), [&](int b) {
     const ParticleBlock& block = map.particle_blocks[b];
-    for (int s = block.begin; s < block.begin + block.slots; ++s) {
-      const int i = from_[s] >= 0 ? arrivals_[from_[s]].source : -1;
-      const bool real = i >= 0;
-      particle[s] = i;
-      volume[s] = real ? T(setup_.volume[i]) : T(0);
-      if (has_strength) strength[s] = real ? T(state.strength[i]) : T(1);
-      for (int a = 0; a < 3; ++a) {
-        x[a][s] = real ? T(cells_at(i, a) - kBlock * block.position[a]) : rest(s, a);
-        v[a][s] = real ? T(state.v[i][a]) : T(0);
+    for_each_register(b, [&](int group, const Arrival* const* from) {
+      for (int l = 0; l < W; ++l) {
+        const int s = group * W + l, i = from[l] ? from[l]->source : -1;
+        const bool real = i >= 0;
+        particle[s] = i;
+        volume[s] = real ? T(setup_.volume[i]) : T(0);
+        if (has_strength) strength[s] = real ? T(state.strength[i]) : T(1);
+        for (int a = 0; a < 3; ++a) {
+          x[a][s] = real ? T(cells_at(i, a) - kBlock * block.position[a]) : rest(s, a);
+          v[a][s] = real ? T(state.v[i][a]) : T(0);
+        }
+        for (int k = 0; k < 9; ++k) {
+          F[k][s] = real ? T(state.F[i][k / 3][k % 3]) : T(k % 4 == 0);
+          C[k][s] = real ? T(state.C[i][k / 3][k % 3]) : T(0);
+          if (setup_.track_total_F) total_F[k][s] = real ? T(state.total_F[i][k / 3][k % 3]) : T(k % 4 == 0);
+        }
       }
-      for (int k = 0; k < 9; ++k) {
-        F[k][s] = real ? T(state.F[i][k / 3][k % 3]) : T(k % 4 == 0);
-        C[k][s] = real ? T(state.C[i][k / 3][k % 3]) : T(0);
-        if (setup_.track_total_F) total_F[k][s] = real ? T(state.total_F[i][k / 3][k % 3]) : T(k % 4 == 0);
-      }
-    }
-    for (int g = block.begin / W; g < (block.begin + block.slots) / W; ++g) describe(g);
+      describe(group, from);
+    });
   });
   return clamped;
 }
@@ -225,99 +204,29 @@ void ParticleStore<T>::store(State& state) const {
   });
 }
 
-// From arrivals_ and the blocks' counts: slots, and where each slot's particle comes from.
+// From arrivals_ and the blocks' counts: slots, and what they will hold.
 template <class T>
 void ParticleStore<T>::place() {
   const int blocks = static_cast<int>(map.particle_blocks.size());
-  layouts_.resize(blocks);
-  setup_.team->for_each(blocks, [&](int b) { lay_out(map.particle_blocks[b], layouts_[b]); });
+  if (blocks > static_cast<int>(layouts_.size())) layouts_.resize(blocks);
+  setup_.team->for_each(blocks, [&](int b) {
+    ParticleBlock& block = map.particle_blocks[b];
+    layouts_[b].lay_out(arrivals_.data() + block.first, block);
+  });
   slots_ = 0;
   for (ParticleBlock& block : map.particle_blocks) {
     block.begin = slots_;
     slots_ += block.slots;
   }
-  from_.resize(slots_);
-  group_row.assign(slots_ / W, -1);
-  group_controlled.assign(slots_ / W, 0);
-  group_lanes.assign(slots_ / W, 0);
+  group_row.resize(slots_ / W);
+  group_controlled.resize(slots_ / W);
+  group_lanes.resize(slots_ / W);
   group_column.resize(slots_ / W);
   setup_.team->for_each(blocks, [&](int b) {
-    const int begin = map.particle_blocks[b].begin;
-    std::copy(layouts_[b].from.begin(), layouts_[b].from.end(), from_.begin() + begin);
-    std::copy(layouts_[b].column.begin(), layouts_[b].column.end(), group_column.begin() + begin / W);
+    std::copy(layouts_[b].column.begin(), layouts_[b].column.end(),
+              group_column.begin() + map.particle_blocks[b].begin / W);
   });
   map.connect(setup_.team->threads());
-}
-
-// The order of a block's particles and its reach.
-template <class T>
-void ParticleStore<T>::lay_out(ParticleBlock& block, Layout& layout) const {
-  int low[3] = {kBlock, kBlock, kBlock}, high[3] = {};  // of the base nodes
-  int next[kBlockNodes + 1] = {};
-  bool mixed = false;
-  const int row = arrivals_[block.first].row;
-  const int end = block.first + block.count;
-  for (int k = block.first; k < end; ++k) {
-    const int cell = arrivals_[k].cell;
-    ++next[cell + 1];
-    mixed = mixed || arrivals_[k].row != row;
-    const int base[3] = {cell / (kBlock * kBlock), cell / kBlock % kBlock, cell % kBlock};
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], base[axis]);
-      high[axis] = std::max(high[axis], base[axis]);
-    }
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    // Two further nodes of the stencil; a cell of drift either way.
-    block.low[axis] = static_cast<std::int8_t>(low[axis] - 1);
-    block.high[axis] = static_cast<std::int8_t>(high[axis] + 3);
-  }
-  for (int c = 0; c < kBlockNodes; ++c) next[c + 1] += next[c];
-  std::vector<int> order(block.count);
-  for (int k = block.first; k < end; ++k) order[next[arrivals_[k].cell]++] = k;
-  if (mixed) {
-    std::stable_sort(order.begin(), order.end(), [&](int k, int l) { return arrivals_[k].row < arrivals_[l].row; });
-  }
-
-  std::vector<int> columns, loose;
-  layout.column.clear();
-  if constexpr (kColumnCells<T> >= 2) {
-    constexpr int kCells = kColumnCells<T>;
-    for (int at = 0; at < block.count;) {
-      // The particles of one row in the cells of one column.
-      const int column = arrivals_[order[at]].cell / kCells, row_here = arrivals_[order[at]].row;
-      int begin[kCells], count[kCells] = {};
-      for (; at < block.count; ++at) {
-        const int cell = arrivals_[order[at]].cell;
-        if (cell / kCells != column || (mixed && arrivals_[order[at]].row != row_here)) break;
-        if (count[cell % kCells]++ == 0) begin[cell % kCells] = at;
-      }
-      while (true) {
-        int filled = 0;
-        for (const int c : count) filled += std::min(c, kColumnSlots);
-        if (filled < kLeastFilled) break;
-        for (int z = 0; z < kCells; ++z) {
-          const int taken = std::min(count[z], kColumnSlots);
-          for (int s = 0; s < kColumnSlots; ++s) columns.push_back(s < taken ? order[begin[z]++] : -1);
-          count[z] -= taken;
-        }
-        layout.column.push_back(column * kCells);
-      }
-      for (int z = 0; z < kCells; ++z) {
-        for (; count[z] > 0; --count[z]) loose.push_back(order[begin[z]++]);
-      }
-    }
-  } else {
-    loose = std::move(order);
-  }
-  const int room = static_cast<int>(loose.size() + columns.size() / kColumnsPerSpare);
-  block.loose = (room + W - 1) / W;
-  block.strayed = 0;
-  layout.from.assign(block.loose * W, -1);
-  for (size_t k = 0; k < loose.size(); ++k) layout.from[k] = loose[k];
-  layout.from.insert(layout.from.end(), columns.begin(), columns.end());
-  block.slots = static_cast<int>(layout.from.size());
-  layout.column.insert(layout.column.begin(), block.loose, -1);
 }
 
 template <class T>
@@ -358,20 +267,35 @@ void ParticleStore<T>::leave_column(int block, int group, LaneBits lanes) {
   group_lanes[group] &= ~lanes;
 }
 
-// From from_ and particle: what the lanes of a group have in common.
 template <class T>
-void ParticleStore<T>::describe(int group) {
+void ParticleStore<T>::describe(int group, const Arrival* const* from) {
   int row = -1;
-  bool mixed = false;
-  for (int s = group * W; s < group * W + W; ++s) {
-    if (from_[s] < 0) continue;
-    const int row_here = arrivals_[from_[s]].row;
-    mixed = mixed || (group_lanes[group] != 0 && row_here != row);
-    row = row_here;
-    group_lanes[group] |= LaneBits(1) << s % W;
-    if (has_controls_) group_controlled[group] |= setup_.control_group[particle[s]] != 0;
+  bool mixed = false, controlled = false;
+  LaneBits lanes = 0;
+  for (int l = 0; l < W; ++l) {
+    if (!from[l]) continue;
+    mixed = mixed || (lanes != 0 && from[l]->row != row);
+    row = from[l]->row;
+    lanes |= LaneBits(1) << l;
+    if (has_controls_) controlled = controlled || setup_.control_group[particle[group * W + l]] != 0;
   }
   group_row[group] = mixed ? -1 : row;
+  group_lanes[group] = lanes;
+  group_controlled[group] = controlled;
+}
+
+// Calls function(group, from) for all registers of block b, from[l] the arrival that lane l will hold, or null.
+template <class T>
+template <class Function>
+void ParticleStore<T>::for_each_register(int b, const Function& function) const {
+  const ParticleBlock& block = map.particle_blocks[b];
+  const Arrival* const first = arrivals_.data() + block.first;
+  const int* index = layouts_[b].from.data();
+  for (int group = block.begin / W; group < (block.begin + block.slots) / W; ++group, index += W) {
+    const Arrival* from[W];
+    for (int l = 0; l < W; ++l) from[l] = index[l] >= 0 ? first + index[l] : nullptr;
+    function(group, from);
+  }
 }
 
 template <class T>
@@ -450,37 +374,35 @@ void ParticleStore<T>::sort() {
   const int now = static_cast<int>(map.particle_blocks.size());
   const size_t step = static_cast<size_t>(channels_) * W;
   setup_.team->for_each(now, [&](int b) {
-    const ParticleBlock& block = map.particle_blocks[b];
-    for (int group = block.begin / W; group < (block.begin + block.slots) / W; ++group) {
-      const T* from[W];
+    for_each_register(b, [&](int group, const Arrival* const* from) {
+      const T* numbers_of[W];
       for (int l = 0; l < W; ++l) {
-        const int arrival = from_[group * W + l];
-        const unsigned slot = arrival >= 0 ? arrivals_[arrival].source : l;
-        from[l] = arrival >= 0 ? numbers_.data() + slot / W * step + slot % W : empty_.data() + l;
-        spare_particle_[group * W + l] = arrival >= 0 ? particle[slot] : -1;
+        const unsigned slot = from[l] ? from[l]->source : 0;
+        numbers_of[l] = from[l] ? numbers_.data() + slot / W * step + slot % W : empty_.data() + l;
+        spare_particle_[group * W + l] = from[l] ? particle[slot] : -1;
       }
       T* const to = other_.data() + group * step;
       for (int c = 0; c < channels_; ++c) {
-        for (int l = 0; l < W; ++l) to[c * W + l] = from[l][c * W];
+        for (int l = 0; l < W; ++l) to[c * W + l] = numbers_of[l][c * W];
       }
       for (int l = 0; l < W; ++l) {
-        const int arrival = from_[group * W + l], code = arrival >= 0 ? arrivals_[arrival].shift : kStay;
+        const int code = from[l] ? from[l]->shift : Arrival::kStay;
+        if (from[l] && code == Arrival::kStay) continue;
         // From the old block's origin to the new one's: a whole number of cells.
         const int moved[3] = {code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1};
         for (int axis = 0; axis < 3; ++axis) {
           T& x_here = to[axis * W + l];
-          x_here = arrival >= 0 ? x_here - T(kBlock * moved[axis]) : rest(group * W + l, axis);
+          x_here = from[l] ? x_here - T(kBlock * moved[axis]) : rest(group * W + l, axis);
         }
       }
-    }
+    });
   });
   particle.swap(spare_particle_);
   numbers_.swap(other_);
   other_.resize(static_cast<size_t>(slots_) * channels_);
   bind();
   setup_.team->for_each(now, [&](int b) {
-    const ParticleBlock& block = map.particle_blocks[b];
-    for (int g = block.begin / W; g < (block.begin + block.slots) / W; ++g) describe(g);
+    for_each_register(b, [&](int group, const Arrival* const* from) { describe(group, from); });
   });
 }
 

@@ -17,21 +17,17 @@ struct Radial {
 // Drucker–Prager stress cone |dev τ| <= max(0, k − α tr τ). Beyond the apex the hydrostatic tension is cut to k/α, so
 // the result is always on or inside the cone. mean: tr τ / 3; size: |dev τ|.
 template <class T>
-PHYSMAS_INLINE Radial<T> project_to_cone(const T& mean, const T& size, const T& alpha, const T& k) {
-  const T apex = Scalar<T>(1.0 / 3.0) * (k / at_least(alpha, T(kTiny<T>)));
-  const T cut = at_most(mean, apex);
-  const T limit = at_least(k - Scalar<T>(3) * (alpha * cut), T(0));
+PHYSMAS_INLINE Radial<T> project_to_cone(const T& mean, const T& size, const MaterialParameters<T>& p) {
+  const T cut = at_most(mean, p.apex);
+  const T limit = at_least(p.cohesion - Scalar<T>(3) * (p.alpha * cut), T(0));
   return {cut, select(size > limit, limit / at_least(size, T(kTiny<T>)), T(1))};
 }
 
 // Sand's return map (Klar et al. 2016, without their volume correction): tension returns to the apex (no strain),
 // anything else to the cone along the deviator. mean, size: of the logarithmic strain. `moved`: where it changes.
 template <class T, class Condition>
-PHYSMAS_INLINE Radial<T> sand_return(const T& mean, const T& size, const T& mu, const T& lambda, const T& friction,
-                                     Condition& moved) {
-  // |dev τ| <= −friction tr τ, divided by 2 μ.
-  const T slope = -friction * (lambda * Scalar<T>(3) + mu + mu) / (mu + mu);
-  const T limit = slope * (Scalar<T>(3) * mean);
+PHYSMAS_INLINE Radial<T> sand_return(const T& mean, const T& size, const MaterialParameters<T>& p, Condition& moved) {
+  const T limit = Scalar<T>(-3) * p.strain_friction * mean;
   const auto tension = mean > T(0);
   const auto outside = size > limit;
   const T keep = select(outside, at_least(limit, T(0)) / at_least(size, T(kTiny<T>)), T(1));
@@ -42,26 +38,26 @@ PHYSMAS_INLINE Radial<T> sand_return(const T& mean, const T& size, const T& mu, 
 // Foam's viscoplastic return map for StVK–Hencky (Yue et al. 2015): beyond |dev τ| = sqrt(2/3) yield the stress relaxes
 // towards the yield surface at a rate set by the viscosity (0: at once). trace_b: tr b of the trial state; dt: [s].
 template <class T, class Condition>
-PHYSMAS_INLINE Radial<T> foam_return(const T& mean, const T& size, const T& trace_b, const T& mu, const T& yield,
-                                     const T& viscosity, const T& dt, Condition& moved) {
-  const T two_mu = mu + mu;
+PHYSMAS_INLINE Radial<T> foam_return(const T& mean, const T& size, const T& trace_b, const MaterialParameters<T>& p,
+                                     const T& dt, Condition& moved) {
+  const T two_mu = p.mu + p.mu;
   const T stress = two_mu * size;
-  const T excess = stress - Scalar<T>(0.81649658092772603) * yield;
+  const T excess = stress - Scalar<T>(0.81649658092772603) * p.yield;
   moved = excess > T(0);
   const T stiffness = two_mu * Scalar<T>(1.0 / 3.0) * trace_b * dt;
-  const T relaxed = stress - excess * (stiffness / at_least(stiffness + viscosity, T(kTiny<T>)));
-  return {mean, select(moved, relaxed / at_least(stress, T(kTiny<T>)), T(1))};
+  const T lost = excess * stiffness / at_least((stiffness + p.viscosity) * stress, T(kTiny<T>));
+  return {mean, select(moved, T(1) - lost, T(1))};
 }
 
 // Plasticine's von Mises return map with damage: the strength falls by softening × |plastic strain increment|, never
 // below the residual. `yield` is the particle's strength [Pa], updated.
 template <class T, class Condition>
-PHYSMAS_INLINE Radial<T> plasticine_return(const T& mean, const T& size, const T& mu, const T& softening,
-                                           const T& residual, T& yield, Condition& moved) {
-  const T limit = Scalar<T>(0.81649658092772603) * yield / (mu + mu);
+PHYSMAS_INLINE Radial<T> plasticine_return(const T& mean, const T& size, const MaterialParameters<T>& p, T& yield,
+                                           Condition& moved) {
+  const T limit = Scalar<T>(0.81649658092772603) * yield * p.inverse_mu;
   moved = size > limit;
   const T keep = select(moved, limit / at_least(size, T(kTiny<T>)), T(1));
-  yield = select(moved, at_least(yield - softening * (size - limit), at_most(residual, yield)), yield);
+  yield = select(moved, at_least(yield - p.softening * (size - limit), at_most(p.residual_yield, yield)), yield);
   return {mean, keep};
 }
 
@@ -69,10 +65,10 @@ PHYSMAS_INLINE Radial<T> plasticine_return(const T& mean, const T& size, const T
 template <class T, class Condition>
 PHYSMAS_INLINE Radial<T> return_map(Branch branch, const MaterialParameters<T>& p, const T& mean, const T& size,
                                     const T& trace_b, const T& dt, T& strength, Condition& moved) {
-  if (branch == Branch::sand) return sand_return(mean, size, p.mu, p.lambda, p.friction, moved);
-  if (branch == Branch::foam) return foam_return(mean, size, trace_b, p.mu, p.yield, p.viscosity, dt, moved);
+  if (branch == Branch::sand) return sand_return(mean, size, p, moved);
+  if (branch == Branch::foam) return foam_return(mean, size, trace_b, p, dt, moved);
   if (branch == Branch::plasticine) {
-    return plasticine_return(mean, size, p.mu, p.softening, p.residual_yield, strength, moved);
+    return plasticine_return(mean, size, p, strength, moved);
   }
   return {mean, T(1)};
 }

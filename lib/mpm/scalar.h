@@ -31,6 +31,14 @@ constexpr Scalar<T> kEpsilon = std::numeric_limits<Scalar<T>>::epsilon();
 template <class T>
 constexpr Scalar<T> kTiny = std::numeric_limits<Scalar<T>>::min() * Scalar<T>(1e4);
 
+// Σ c_k x^k.
+template <class T, int N>
+PHYSMAS_INLINE T polynomial(const T& x, const double (&c)[N]) {
+  T sum(static_cast<Scalar<T>>(c[N - 1]));
+  for (int k = N - 2; k >= 0; --k) sum = sum * x + T(static_cast<Scalar<T>>(c[k]));
+  return sum;
+}
+
 PHYSMAS_INLINE float select(bool condition, float yes, float no) {
   return condition ? yes : no;
 }

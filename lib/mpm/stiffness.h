@@ -84,7 +84,7 @@ inline T stiffness_bound(Branch branch, const MaterialParameters<T>& p, const Ma
                           : branch == Branch::metal ? metal_tangent(s, p.mu, p.lambda)
                                                     : hencky_tangent(s, p.mu, p.lambda);
   const bool cut = branch == Branch::sand || branch == Branch::snow || branch == Branch::plasticine;
-  if (cut) t.tau = project_to_cone(t.tau, p.alpha, p.cohesion);
+  if (cut) t.tau = project_to_cone(t.tau, p);
   T normal(0), shear(0), stress(0);
   for (int i = 0; i < 3; ++i) {
     normal = at_least(absolute(t.normal[i].x) + absolute(t.normal[i].y) + absolute(t.normal[i].z), normal);
