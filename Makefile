@@ -216,6 +216,8 @@ test-cli: all $(TEST_TOOLS) ## The command-line tests
 # Every reader of foreign or authored files has a target in tests/fuzz. With clang++ libFuzzer drives them; without it
 # tests/fuzz/driver.cpp does, which mutates without looking at coverage. Both with the sanitizers. `make test` replays
 # the corpus.
+# What slows them down is off: libFuzzer's weights of inputs, names of new functions, and stacks of allocations, which a
+# replay of what was found shows.
 FUZZ_TARGETS := $(filter-out driver,$(patsubst tests/fuzz/%.cpp,%,$(wildcard tests/fuzz/*.cpp)))
 SECONDS_EACH = $(or $(SECONDS),60)
 FUZZ_CLANG := $(shell command -v clang++ 2>/dev/null)
@@ -224,10 +226,14 @@ FUZZ_ENGINE := $(if $(findstring clang,$(FUZZ_CXX)),libfuzzer,driver)
 FUZZ_BUILD := build/fuzz/$(FUZZ_ENGINE)
 FUZZ_FLAGS := -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined -w \
               $(if $(filter libfuzzer,$(FUZZ_ENGINE)),-fsanitize=fuzzer-no-link)
-# What the targets reach: all but the command line and the making of scenes.
+# What the targets reach: all but the command line, the making of scenes, the segmenter and the renderer.
 FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp $(patsubst %,lib/scene/%.cpp,color neighbors overrides pattern \
-                  placement report surface synth),$(wildcard lib/base/*.cpp lib/records/*.cpp lib/scene/*.cpp)) \
-                lib/ground/coco.cpp lib/eval/array_file.cpp lib/eval/zip_file.cpp lib/splat/image_io.cpp
+                  placement report surface synth) $(patsubst %,lib/ground/%.cpp,instances mask_files one_part perception \
+                  refine segment view_image),$(wildcard lib/base/*.cpp lib/ground/*.cpp lib/records/*.cpp lib/remote/*.cpp \
+                  lib/scene/*.cpp)) \
+                $(patsubst %,lib/eval/%.cpp,array_file clip clip_tokenizer suite video_tracks zip_file) \
+                $(patsubst %,lib/material/%.cpp,chat_source pictures predictor_source) lib/screen/run_table.cpp \
+                $(patsubst %,lib/splat/%.cpp,image_io video_reader view_pictures)
 FUZZ_OBJECTS := $(FUZZ_SOURCES:%.cpp=$(FUZZ_BUILD)/obj/%.o) $(FUZZ_BUILD)/obj/embedded_texts.o
 
 $(FUZZ_BUILD)/obj/%.o: %.cpp | build/.packages
@@ -247,8 +253,9 @@ $(FUZZ_TARGETS:%=$(FUZZ_BUILD)/%): $(FUZZ_BUILD)/%: $(FUZZ_BUILD)/obj/tests/fuzz
 fuzz: $(FUZZ_TARGETS:%=$(FUZZ_BUILD)/%) ## Fuzz every reader for SECONDS=60 each; FUZZ="gaussians colmap" picks targets
 	$(Q)cd $(FUZZ_BUILD) && for t in $(or $(FUZZ),$(FUZZ_TARGETS)); do \
 	  mkdir -p found/$$t; echo "$$t: $(SECONDS_EACH) s with $(FUZZ_ENGINE)"; \
-	  $(if $(filter libfuzzer,$(FUZZ_ENGINE)),./$$t -max_total_time=$(SECONDS_EACH) -timeout=10 -rss_limit_mb=2048 -verbosity=0 \
-	    -print_final_stats=1 found/$$t $(CURDIR)/tests/fuzz/corpus/$$t 2>&1 | tail -8, \
+	  $(if $(filter libfuzzer,$(FUZZ_ENGINE)),ASAN_OPTIONS=malloc_context_size=0 ./$$t -max_total_time=$(SECONDS_EACH) -timeout=10 -rss_limit_mb=2048 -verbosity=0 \
+	    -entropic=0 -print_funcs=0 -print_final_stats=1 found/$$t $(CURDIR)/tests/fuzz/corpus/$$t > found/$$t.log 2>&1; status=$$?; \
+	    grep -aE '^(stat::|fault:|SUMMARY|.*ERROR:|.*Test unit written)' found/$$t.log; [ $$status -eq 0 ], \
 	    ./$$t -max_total_time=$(SECONDS_EACH) $(CURDIR)/tests/fuzz/corpus/$$t) || exit; done
 
 fuzz-seeds: $(BUILD)/test/make_fuzz_seeds all ## Write the seeds of tests/fuzz/corpus again

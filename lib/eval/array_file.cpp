@@ -141,10 +141,12 @@ Array parse_npy(const std::string& bytes, const std::string& file, const std::st
   const NpyHeader header = HeaderParser(text, file, field).parse();
   if (header.fortran_order && header.shape.size() > 1)
     throw invalid_input({file, field, "Fortran order", "C order", "save np.ascontiguousarray(...)"});
-  size_t count = 1;
+  // Extents beside a zero are limited, too: who reads the array may count by them.
+  size_t count = 1, extents = 1;
   for (const size_t extent : header.shape) {
-    if (extent > 0 && count > kMaxValues / extent) throw bad(shape_text(header.shape), "at most 2^26 values");
+    if (extent > 0 && extents > kMaxValues / extent) throw bad(shape_text(header.shape), "at most 2^26 values");
     count *= extent;
+    extents *= std::max<size_t>(extent, 1);
   }
   for (const NpyType& type : kTypes) {
     if (header.descr != type.descr) continue;

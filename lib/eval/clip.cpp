@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "eval/array_file.h"
 
 namespace physmas::eval {
 namespace {
@@ -20,13 +19,16 @@ double length(const std::vector<double>& v) {
 }  // namespace
 
 ClipEmbeddings load_clip_embeddings(const std::string& path) {
-  const auto arrays = load_arrays(path, {"text", "frames"});
+  return clip_embeddings_from(load_arrays(path, {"text", "frames"}), path);
+}
+
+ClipEmbeddings clip_embeddings_from(const std::map<std::string, Array>& arrays, const std::string& file) {
   const Array &text = arrays.at("text"), &frames = arrays.at("frames");
   const bool is_vector = text.shape.size() == 1 || (text.shape.size() == 2 && text.shape[0] == 1);
-  if (!is_vector || text.values.empty()) throw invalid_input({path, "text", shape_text(text.shape), "[D] or [1, D]"});
+  if (!is_vector || text.values.empty()) throw invalid_input({file, "text", shape_text(text.shape), "[D] or [1, D]"});
   const size_t D = text.values.size();
   if (frames.shape.size() != 2 || frames.shape[1] != D)
-    throw invalid_input({path, "frames", shape_text(frames.shape), fmt::format("[T, {}] as the text", D)});
+    throw invalid_input({file, "frames", shape_text(frames.shape), fmt::format("[T, {}] as the text", D)});
   ClipEmbeddings embeddings;
   embeddings.text = text.values;
   for (size_t t = 0; t < frames.shape[0]; ++t)

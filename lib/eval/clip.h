@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "eval/array_file.h"
 #include "eval/motion.h"
 #include "scene/image.h"
 
@@ -21,6 +22,8 @@ struct ClipEmbeddings {
 
 // `text` [D] or [1, D] and `frames` [T, D] from a .npz or JSON file. Errors: exit code 3.
 ClipEmbeddings load_clip_embeddings(const std::string& path);
+// The same from arrays of these names; `file` is only named in messages.
+ClipEmbeddings clip_embeddings_from(const std::map<std::string, Array>& arrays, const std::string& file);
 
 // Mean cosine over the frames, not scaled. Invalid without frames, or when an embedding has no direction (zero or not
 // finite): that frame is not left out.
@@ -37,8 +40,9 @@ std::vector<float> clip_pixels(const Image& frame);
 // CLIP's byte-pair encoding. The merges are a file of the user's (bpe_simple_vocab_16e6.txt, unpacked).
 class ClipTokenizer {
  public:
-  // path: a first line that is skipped, then a pair per line; CLIP uses the first 48,894 of them. Errors: exit code 3.
-  explicit ClipTokenizer(const std::string& path);
+  // merges: a first line that is skipped, then a pair per line; CLIP uses the first 48,894 of them. file: for messages.
+  // Errors: exit code 3.
+  ClipTokenizer(const std::string& merges, const std::string& file);
   // [77] start, tokens, end, zeros. Errors (exit code 3): a prompt of more than 75 tokens; a character that is not
   // ASCII, for which CLIP's own cleaning would be needed.
   std::vector<int64_t> encode(const std::string& prompt) const;
@@ -46,10 +50,11 @@ class ClipTokenizer {
  private:
   std::vector<std::string> split_word(const std::string& word) const;
 
-  std::string path_;
   std::map<std::pair<std::string, std::string>, int> rank_;
   std::map<std::string, int64_t> id_;
 };
+
+ClipTokenizer load_clip_tokenizer(const std::string& path);
 
 }  // namespace physmas::eval
 

@@ -25,7 +25,7 @@ std::vector<double> encode(remote::InferenceClient& client, const std::string& n
 
 // exchanges: with both servers, appended.
 ClipEmbeddings remote_embeddings(const ClipOptions& options, std::vector<ExchangeReference>& exchanges) {
-  const std::vector<int64_t> ids = ClipTokenizer(options.merges).encode(options.prompt);
+  const std::vector<int64_t> ids = load_clip_tokenizer(options.merges).encode(options.prompt);
   const auto texts = remote::open_backend(options.text_encoder, "--text-encoder", "", options.remote);
   const auto images = remote::open_backend(options.image_encoder, "--image-encoder", "", options.remote);
   remote::InferenceClient text_client(*texts, "clip_text"), image_client(*images, "clip_image");

@@ -71,31 +71,34 @@ std::vector<std::string> words_of(const std::string& text) {
 
 }  // namespace
 
-ClipTokenizer::ClipTokenizer(const std::string& path) : path_(path) {
-  const std::string bytes = read_file(path, kMaxFile);
-  if (bytes.compare(0, 2, "\x1f\x8b") == 0)
-    throw invalid_input({path, "", "a gzip file", "text", "unpack it with gunzip"});
+ClipTokenizer load_clip_tokenizer(const std::string& path) {
+  return ClipTokenizer(read_file(path, kMaxFile), path);
+}
+
+ClipTokenizer::ClipTokenizer(const std::string& merges, const std::string& file) {
+  if (merges.compare(0, 2, "\x1f\x8b") == 0)
+    throw invalid_input({file, "", "a gzip file", "text", "unpack it with gunzip"});
   int64_t next = 0;
   const std::vector<std::string> characters = byte_characters();
   for (const std::string& c : characters) id_[c] = next++;
   for (const std::string& c : characters) id_[c + kEnd] = next++;
-  size_t at = bytes.find('\n'), line = 1;
-  while (at != std::string::npos && at + 1 < bytes.size() && rank_.size() < kMerges) {
-    size_t end = bytes.find('\n', at + 1);
-    if (end == std::string::npos) end = bytes.size();
-    std::string text = bytes.substr(at + 1, end - at - 1);
+  size_t at = merges.find('\n'), line = 1;
+  while (at != std::string::npos && at + 1 < merges.size() && rank_.size() < kMerges) {
+    size_t end = merges.find('\n', at + 1);
+    if (end == std::string::npos) end = merges.size();
+    std::string text = merges.substr(at + 1, end - at - 1);
     if (!text.empty() && text.back() == '\r') text.pop_back();
     ++line;
     const size_t gap = text.find(' ');
     if (gap == 0 || gap == std::string::npos || gap + 1 == text.size() || text.find(' ', gap + 1) != std::string::npos)
-      throw invalid_input({path, fmt::format("line {}", line), one_line(text, 40), "two parts and a space between"});
+      throw invalid_input({file, fmt::format("line {}", line), one_line(text, 40), "two parts and a space between"});
     const std::string left = text.substr(0, gap), right = text.substr(gap + 1);
     if (!rank_.emplace(std::pair(left, right), static_cast<int>(rank_.size())).second)
-      throw invalid_input({path, fmt::format("line {}", line), one_line(text, 40), "each pair once"});
+      throw invalid_input({file, fmt::format("line {}", line), one_line(text, 40), "each pair once"});
     id_[left + right] = next++;
     at = end;
   }
-  if (rank_.empty()) throw invalid_input({path, "", "no merges", "a line that is skipped, then a pair per line"});
+  if (rank_.empty()) throw invalid_input({file, "", "no merges", "a line that is skipped, then a pair per line"});
   id_[kStartToken] = next++;
   id_[kEndToken] = next;
 }

@@ -7,7 +7,6 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "base/error.h"
-#include "eval/array_file.h"
 #include "splat/image_io.h"
 #include "splat/video.h"
 
@@ -15,6 +14,7 @@ namespace physmas::eval {
 namespace {
 
 constexpr float kReturnDistance = 1;    // pixels
+constexpr size_t kMaxFrames = 1 << 20;  // of tracks from files
 constexpr float kPatchDifference = 20;  // grey levels of 255, mean over the patch of 21 x 21 pixels
 
 // Without a leading batch axis of one.
@@ -57,17 +57,22 @@ Tracks tracks_from(const std::vector<double>& points, const std::vector<double>&
 }  // namespace
 
 Tracks load_tracks(const std::string& path, int width, int height) {
-  const auto arrays = load_arrays(path, {"tracks", "visibility"});
+  return tracks_from(load_arrays(path, {"tracks", "visibility"}), path, width, height);
+}
+
+Tracks tracks_from(const std::map<std::string, Array>& arrays, const std::string& file, int width, int height) {
   const Array &points = arrays.at("tracks"), &visibility = arrays.at("visibility");
   const std::vector<size_t> shape = without_batch(points, 3), seen = without_batch(visibility, 2);
   if (shape.size() != 3 || shape[2] != 2)
-    throw invalid_input({path, "tracks", shape_text(points.shape), "[1, T, N, 2] or [T, N, 2]"});
+    throw invalid_input({file, "tracks", shape_text(points.shape), "[1, T, N, 2] or [T, N, 2]"});
+  if (shape[0] > kMaxFrames)
+    throw invalid_input({file, "tracks", shape_text(points.shape), fmt::format("at most {} frames", kMaxFrames)});
   if (seen.size() != 2 || seen[0] != shape[0] || seen[1] != shape[1])
-    throw invalid_input({path, "visibility", shape_text(visibility.shape),
+    throw invalid_input({file, "visibility", shape_text(visibility.shape),
                          fmt::format("[1, {0}, {1}] or [{0}, {1}] as the tracks", shape[0], shape[1])});
   return tracks_from(points.values, visibility.values, shape[0], shape[1], width, height,
                      [&](const std::string& field, const std::string& found) {
-                       return invalid_input({path, field, found, "0 to 1"});
+                       return invalid_input({file, field, found, "0 to 1"});
                      });
 }
 

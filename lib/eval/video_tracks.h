@@ -3,9 +3,11 @@
 #ifndef PHYSMAS_EVAL_VIDEO_TRACKS_H
 #define PHYSMAS_EVAL_VIDEO_TRACKS_H
 
+#include <map>
 #include <string>
 #include <vector>
 
+#include "eval/array_file.h"
 #include "eval/motion.h"
 #include "eval/query_grid.h"
 #include "remote/inference.h"
@@ -16,6 +18,8 @@ namespace physmas::eval {
 // or [T, N], visible above 0.5, from a .npz or JSON file. Here the first pixel's centre is at 0.5. A point that is not
 // finite is not visible. width, height: of the tracked video, pixels.
 Tracks load_tracks(const std::string& path, int width, int height);
+// The same from arrays of these names; `file` is only named in messages.
+Tracks tracks_from(const std::map<std::string, Array>& arrays, const std::string& file, int width, int height);
 
 // Follows the queries through the video by pyramidal Lucas-Kanade flow (Bouguet 2001), frame to frame. A point is lost,
 // and stays lost, when the flow fails, leaves the image, does not lead back to within one pixel, or leads to a patch

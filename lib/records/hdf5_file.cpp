@@ -254,7 +254,7 @@ Hdf5Writer::Hdf5Writer(const std::string& path, const std::string& record, const
   file_ = H5Fcreate(out_.temporary_path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   if (file_ < 0) fail("/");
   write_text_attribute("/", "schema", "physmas/" + record + "/1");
-  write_text_attribute("/", "provenance", to_json(provenance, folder_of(path)).dump());
+  write_text_attribute("/", "provenance", compact_text(to_json(provenance, folder_of(path))));
 }
 
 Hdf5Writer::~Hdf5Writer() {

@@ -59,7 +59,7 @@ void refuse_non_finite(const Json& json, const std::string& pointer) {
 }
 
 std::string shortened(const Json& json) {
-  return one_line(json.dump(-1, ' ', false, Json::error_handler_t::replace), 80);
+  return one_line(compact_text(json), 80);
 }
 
 // 1-based line and column of a byte offset.
@@ -77,6 +77,10 @@ std::string line_and_column(const std::string& text, size_t byte) {
 }
 
 }  // namespace
+
+std::string compact_text(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 Json parse_json(const std::string& text, const std::string& file) {
   // nlohmann copies its callback, so the state lives outside.

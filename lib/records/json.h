@@ -28,6 +28,9 @@ void validate_record(const Json& document, const std::string& record, const std:
 // indentation. An invalid document is a fault of ours (exit code 70).
 void save_record(const std::string& path, const std::string& record, const Provenance& provenance, const Json& body);
 
+// On one line; bytes that are no UTF-8, as a file's name may hold them, are replaced.
+std::string compact_text(const Json& json);
+
 // An Error for a field that the schema cannot judge (an id that does not resolve, say); shows the value found.
 Error invalid_field(const std::string& file, const std::string& pointer, const Json& found, const std::string& expected,
                     const std::string& fix = "");

@@ -77,7 +77,7 @@ std::vector<ViewMasks> load_masks(const std::string& path, const Inventory& inve
 void save_masks(const std::string& path, const Inventory& inventory, const std::vector<ViewMasks>& views,
                 const std::vector<Omission>& omitted, const Provenance& provenance) {
   Hdf5Writer file(path, "masks", provenance);
-  file.write_text_attribute("/", "omitted", to_json(omitted).dump());
+  file.write_text_attribute("/", "omitted", compact_text(to_json(omitted)));
   for (const ViewMasks& view : views) {
     const std::string group = "/views/" + view.view;
     file.make_group(group);

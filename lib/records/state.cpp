@@ -112,7 +112,7 @@ State load_state(const std::string& path, const Inventory* inventory) {
 
 void save_state(const std::string& path, const State& state, const Provenance& provenance) {
   Hdf5Writer file(path, "state", provenance);
-  file.write_text_attribute("/", "omitted", to_json(state.omitted).dump());
+  file.write_text_attribute("/", "omitted", compact_text(to_json(state.omitted)));
   file.write_text_attribute("/", "rows", Json(state.row_keys).dump());
   const uint64_t gaussians = state.gaussian_count(), particles = state.particle_count();
   file.write_int("/gaussians/object", {gaussians}, state.gaussian_object.data());

@@ -18,7 +18,7 @@ struct SchemaViolation {
 std::vector<SchemaViolation> find_schema_violations(const nlohmann::ordered_json& document, const std::string& record);
 
 // The embedded schemas/<record>.json itself. Throws an internal Error when there is none.
-nlohmann::ordered_json schema_document(const std::string& record);
+const nlohmann::ordered_json& schema_document(const std::string& record);
 
 }  // namespace physmas
 

@@ -16,7 +16,7 @@ namespace {
 constexpr size_t kMaxRecordBytes = size_t{256} << 20;
 
 std::string shown(const Json& value) {
-  return one_line(value.dump(-1, ' ', false, Json::error_handler_t::replace), 120);
+  return one_line(compact_text(value), 120);
 }
 
 Json request_json(const ExchangeRecord& record) {

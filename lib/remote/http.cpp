@@ -154,7 +154,8 @@ Url parse_url(const std::string& text, const std::string& flag) {
     return Error(ExitCode::usage, one_line(flag + ": found " + found + ", expected http[s]://host[:port][/path]"));
   };
   if (url == nullptr) throw std::bad_alloc();
-  if (curl_url_set(url.get(), CURLUPART_URL, text.c_str(), CURLU_NON_SUPPORT_SCHEME) != CURLUE_OK)
+  const bool ascii = std::all_of(text.begin(), text.end(), [](unsigned char c) { return c > 0x20 && c < 0x7f; });
+  if (!ascii || curl_url_set(url.get(), CURLUPART_URL, text.c_str(), CURLU_NON_SUPPORT_SCHEME) != CURLUE_OK)
     throw fail("a malformed URL");
   Url parsed;
   parsed.scheme = url_part(url.get(), CURLUPART_SCHEME);

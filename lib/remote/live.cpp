@@ -42,11 +42,11 @@ std::string api_key() {
   return key;
 }
 
-// Error pages may hold anything; records are UTF-8.
-std::string text_or_nothing(const std::string& body) {
+// Error pages and headers may hold anything; records are UTF-8.
+std::string text_or_nothing(const std::string& text) {
   try {
-    Json(body).dump();
-    return body;
+    Json(text).dump();
+    return text;
   } catch (const Json::exception&) {
     return "";
   }
@@ -63,9 +63,11 @@ LiveBackend::LiveBackend(std::string endpoint, const RemoteOptions& options)
 
 std::string LiveBackend::without_key(const std::string& text) const {
   if (key_.empty()) return text;
+  const std::string shown = "[key]";
   std::string clean = text;
-  for (size_t at = clean.find(key_); at != std::string::npos; at = clean.find(key_, at))
-    clean.replace(at, key_.size(), "[key]");
+  // The key may be a part of what stands for it.
+  for (size_t at = clean.find(key_); at != std::string::npos; at = clean.find(key_, at + shown.size()))
+    clean.replace(at, key_.size(), shown);
   return clean;
 }
 
@@ -179,7 +181,7 @@ Reply LiveBackend::exchange(const Request& request) {
   record.request_body = recorded_body(request);
   for (const Attachment& a : request.attachments) record.attachments.push_back(attachment_file(a));
   record.status = result.status;
-  record.content_type = without_key(result.content_type);
+  record.content_type = without_key(text_or_nothing(result.content_type));
   record.body = without_key(text_or_nothing(result.body));
   record.runtime["seconds"] = watch.seconds();
   save_exchange(options_.exchanges, record, request);

@@ -24,13 +24,11 @@ DataparserTransform load_dataparser_transform(const std::string& path) {
   return dataparser_transform_from(parse_json(read_file(path), path), path);
 }
 
-void DataparserTransform::apply(std::vector<CapturedView>& views) const {
-  for (CapturedView& view : views) {
-    const Eigen::Vector3d center = scale * (rotation * view.camera.center() + translation);
-    const Eigen::Matrix3d R = view.camera.rotation() * rotation.transpose();
-    view.camera.world_to_camera.topLeftCorner<3, 3>() = R;
-    view.camera.world_to_camera.topRightCorner<3, 1>() = -R * center;
-  }
+void DataparserTransform::apply(Camera& camera) const {
+  const Eigen::Vector3d center = scale * (rotation * camera.center() + translation);
+  const Eigen::Matrix3d R = camera.rotation() * rotation.transpose();
+  camera.world_to_camera.topLeftCorner<3, 3>() = R;
+  camera.world_to_camera.topRightCorner<3, 1>() = -R * center;
 }
 
 std::string find_dataparser_transform(const std::string& gaussians, const std::string& cameras) {

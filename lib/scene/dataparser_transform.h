@@ -17,8 +17,8 @@ struct DataparserTransform {
   Eigen::Vector3d translation = {0, 0, 0};
   double scale = 1;  // > 0
 
-  // Moves and turns the cameras; what they see of points that move along stays the same.
-  void apply(std::vector<CapturedView>& views) const;
+  // Moves and turns the camera; what it sees of points that move along stays the same.
+  void apply(Camera& camera) const;
 };
 
 // {"transform": 3 or 4 rows of 4, "scale": s}. Errors (exit code 3) name file and field: a matrix that is no rotation,

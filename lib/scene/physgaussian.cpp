@@ -81,16 +81,15 @@ class Configuration {
       turned = Eigen::AngleAxisd(degrees[i] * kRadians, Vector3d::Unit(static_cast<int>(axes[i]))) * turned;
     }
     const Matrix3d rounded = turned.array().round();
-    frame_.quarter_turns = (turned - rounded).cwiseAbs().maxCoeff() < 1e-9;
-    if (frame_.quarter_turns)
+    if ((turned - rounded).cwiseAbs().maxCoeff() < 1e-9)
       frame_.turned = rounded;
     else
-      omit("/rotation_degree", "only quarter turns can be undone; rotate the Gaussians before importing them");
+      result_.turn = turned;
     const Vector3d up = take("mpm_space_vertical_upward_axis") ? config_.vector("mpm_space_vertical_upward_axis")
                                                                : Vector3d(Vector3d::UnitZ());
     result_.up = axis_name(frame_.direction(up));
     if (result_.up.empty()) {
-      omit("/mpm_space_vertical_upward_axis", "not along an axis of the scene; up is taken as z");
+      omit("/mpm_space_vertical_upward_axis", "not along an axis; up is taken as z");
       result_.up = "z";
     }
   }
@@ -156,11 +155,11 @@ class Configuration {
     for (int axis = 0; axis < 3; ++axis) {
       if (!(area[2 * axis] < area[2 * axis + 1])) throw config_.error("sim_area", "lower ends below upper ends");
     }
-    if (!frame_.quarter_turns) return omit("/sim_area", "the rotation is not mapped; use --crop");
     Eigen::AlignedBox3d box;
     box.extend(frame_.turned.transpose() * Vector3d(area[0], area[2], area[4]));
     box.extend(frame_.turned.transpose() * Vector3d(area[1], area[3], area[5]));
     result_.selection.crop = box;
+    result_.selection.crop_axes = result_.turn;
     omit("/sim_area", "taken as a crop: Gaussians outside it are not drawn either");
   }
 

@@ -21,7 +21,6 @@ class Reader {
     const std::string type = boundary.text("type"), pointer = boundary.where("");
     where_ = pointer.substr(0, pointer.size() - 1) + " (" + one_line(type, 40) + ")";
     if (type == "bounding_box") return;  // our walls are always there
-    if (!frame_.quarter_turns) return omit("the rotation is not mapped");
     if (type == "surface_collider") {
       read_surface(boundary);
     } else if (type == "cuboid") {

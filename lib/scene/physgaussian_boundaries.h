@@ -13,8 +13,7 @@ namespace physmas {
 
 // PhysGaussian's solver space against ours: turned about (1, 1, 1), where both put the middle of the scene.
 struct PhysGaussianFrame {
-  Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();  // scene to PhysGaussian's axes
-  bool quarter_turns = true;                             // else `turned` is not known and stays 1
+  Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();  // scene to PhysGaussian's axes, quarter turns
   double duration = 1;                                   // seconds of the run
 
   Eigen::Vector3d direction(const Eigen::Vector3d& v) const { return turned.transpose() * v; }

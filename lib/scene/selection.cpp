@@ -34,7 +34,7 @@ size_t select_gaussians(Gaussians& g, const Selection& selection, const std::str
   const auto stays = [&](size_t i) {
     if (selection.opacity_threshold > 0 && !(g.opacity(i) > selection.opacity_threshold)) return false;
     if (!selection.crop) return true;
-    const Eigen::Array3d p = g.position[i].cast<double>().array();
+    const Eigen::Array3d p = (selection.crop_axes * g.position[i].cast<double>()).array();
     return (p > selection.crop->min().array()).all() && (p < selection.crop->max().array()).all();
   };
   size_t kept = 0;

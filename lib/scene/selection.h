@@ -11,8 +11,9 @@
 namespace physmas {
 
 struct Selection {
-  double opacity_threshold = 0;             // Gaussians of a higher opacity stay; 0 keeps all
-  std::optional<Eigen::AlignedBox3d> crop;  // means strictly inside stay, scene units
+  double opacity_threshold = 0;                             // Gaussians of a higher opacity stay; 0 keeps all
+  std::optional<Eigen::AlignedBox3d> crop;                  // means strictly inside stay, scene units
+  Eigen::Matrix3d crop_axes = Eigen::Matrix3d::Identity();  // turns means into the crop's axes
 };
 
 // A crop box from "x0 x1 y0 y1 z0 z1" (the order of PhysGaussian's sim_area). Throws an Error (exit code 2) that names

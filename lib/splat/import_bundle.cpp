@@ -24,6 +24,7 @@
 #include "scene/scene.h"
 #include "scene/view_rig.h"
 #include "splat/image_io.h"
+#include "splat/turned_gaussians.h"
 #include "splat/user_views.h"
 #include "splat/views.h"
 
@@ -213,7 +214,10 @@ std::string dataparser_file(const ImportOptions& options) {
 // An imported configuration goes below what the user says. Returns its run specification.
 Json take_configuration(const PhysGaussianImport& configuration, ImportOptions& options) {
   if (options.up.empty()) options.up = configuration.up;
-  if (!options.selection.crop) options.selection.crop = configuration.selection.crop;
+  if (!options.selection.crop) {
+    options.selection.crop = configuration.selection.crop;
+    options.selection.crop_axes = configuration.selection.crop_axes;
+  }
   if (options.selection.opacity_threshold == 0) {
     options.selection.opacity_threshold = configuration.selection.opacity_threshold;
   }
@@ -224,6 +228,13 @@ Json take_configuration(const PhysGaussianImport& configuration, ImportOptions& 
   Json run = configuration.run;
   run.erase("schema");
   return run;
+}
+
+// The axis and the angle.
+std::string rotation_text(const Eigen::Matrix3d& R) {
+  const Eigen::AngleAxisd turn(R);
+  return fmt::format("{} degrees about ({}, {}, {})", turn.angle() * 180 / EIGEN_PI, turn.axis().x(), turn.axis().y(),
+                     turn.axis().z());
 }
 
 void record_selection(const Selection& selection, size_t removed, Provenance& provenance) {
@@ -260,6 +271,9 @@ void write_import_bundle(const ImportOptions& given) {
   if (options.up.empty()) options.up = usual_up(options);
   Gaussians gaussians = load_gaussians(options.gaussians);
   const size_t removed = select_gaussians(gaussians, options.selection, options.gaussians);
+  const std::string warning = floater_warning(find_floaters(gaussians));
+  const bool turned = configuration.turn != Eigen::Matrix3d::Identity();
+  if (turned) turn_gaussians(gaussians, configuration.turn);
   Scene scene;
   scene.name = options.name.empty() ? name_from(options.gaussians) : options.name;
   scene.prompt = options.prompt;
@@ -271,8 +285,8 @@ void write_import_bundle(const ImportOptions& given) {
   std::vector<Image> rendered;
   std::vector<std::pair<std::string, std::string>> chosen;
   if (!options.cameras.empty()) {
-    UserViews user =
-        read_user_views(options.cameras, options.views, options.dataparser, means, options.up, options.folder);
+    UserViews user = read_user_views(options.cameras, options.views, options.dataparser, configuration.turn, means,
+                                     options.up, options.folder);
     if (!given.dataparser.empty() && given.dataparser != "none" && !user.transformed) {
       throw Error(ExitCode::usage, "--dataparser-transforms: found " + options.cameras +
                                        ", whose cameras are in the coordinates of the Gaussians, expected a file of "
@@ -297,6 +311,7 @@ void write_import_bundle(const ImportOptions& given) {
   provenance.tool = "pm-scene";
   provenance.options = {{"command", "import"}, {"up", options.up}};
   record_selection(options.selection, removed, provenance);
+  if (turned) provenance.options.emplace_back("turned", rotation_text(configuration.turn));
   for (const auto& [name, image] : chosen) provenance.options.emplace_back("view " + name, image);
   for (const Omission& field : configuration.not_mapped) {
     provenance.options.emplace_back("not mapped " + field.what, field.why);
@@ -334,9 +349,9 @@ void write_import_bundle(const ImportOptions& given) {
                 material_hints(configuration, row_keys));
   }
   save_scene(options.folder + "/scene.json", scene, provenance);
+  if (turned) fmt::print("turned: the bundle has PhysGaussian's axes, {}\n", rotation_text(configuration.turn));
   for (const Omission& field : configuration.not_mapped) fmt::print("not mapped: {}: {}\n", field.what, field.why);
   std::fflush(stdout);
-  const std::string warning = floater_warning(find_floaters(gaussians));
   if (!warning.empty()) log_warning(options.gaussians + ": " + warning);
   log_info(fmt::format("{}: {} Gaussians", options.folder, gaussians.size()));
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <set>
 
 #include "base/file.h"
@@ -21,7 +22,7 @@ namespace {
 constexpr double kFarOff = 45;  // degrees: nearer to another of the four directions
 
 UserViews read_own_list(const Json& list, const std::string& cameras, const std::string& folder,
-                        const std::string& bundle) {
+                        const std::optional<DataparserTransform>& turning, const std::string& bundle) {
   if (!list.is_array())
     throw invalid_input({cameras, "/", "JSON that is not a list", "a list of four {name, image, camera}"});
   if (list.size() != 4)
@@ -37,6 +38,7 @@ UserViews read_own_list(const Json& list, const std::string& cameras, const std:
     if (!names.insert(view.name).second)
       throw invalid_field(cameras, pointer + "/name", view.name, "a name of its own for each view");
     view.camera = camera_from(list[i].at("camera"), cameras, pointer + "/camera");
+    if (turning) turning->apply(view.camera);
     const std::string source =
         resolve_inside(folder, list[i].at("image").get<std::string>(), cameras, pointer + "/image");
     const Image image = load_image(source);
@@ -83,21 +85,29 @@ Camera scaled_to(Camera camera, const Image& image, const std::string& file) {
 }  // namespace
 
 UserViews read_user_views(const std::string& cameras, const std::string& folder, const std::string& dataparser,
-                          const std::vector<Eigen::Vector3d>& points, const std::string& up,
-                          const std::string& bundle) {
+                          const Eigen::Matrix3d& turn, const std::vector<Eigen::Vector3d>& points,
+                          const std::string& up, const std::string& bundle) {
   const ImageSize size_of = [&](const std::string& name) {
     const Image image = load_image(find_image(folder, name, cameras));
     return std::make_pair(image.width, image.height);
   };
+  std::optional<DataparserTransform> turning;  // none keeps cameras bit for bit
+  if (turn != Eigen::Matrix3d::Identity()) turning.emplace().rotation = turn;
   std::vector<CapturedView> captured;
   if (fs::path(cameras).extension() == ".json") {
     const Json document = parse_json(read_file(cameras), cameras);
-    if (!is_captured_json(document)) return read_own_list(document, cameras, folder, bundle);
+    if (!is_captured_json(document)) return read_own_list(document, cameras, folder, turning, bundle);
     captured = captured_views_from(document, cameras, size_of);
   } else {
     captured = load_captured_views(cameras, size_of);
   }
-  if (!dataparser.empty()) load_dataparser_transform(dataparser).apply(captured);
+  if (!dataparser.empty()) {
+    const DataparserTransform transform = load_dataparser_transform(dataparser);
+    for (CapturedView& view : captured) transform.apply(view.camera);
+  }
+  for (CapturedView& view : captured) {
+    if (turning) turning->apply(view.camera);
+  }
   const std::array<ChosenView, 4> chosen = choose_views(captured, points, up, cameras);
   UserViews user;
   user.transformed = !dataparser.empty();

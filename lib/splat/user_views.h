@@ -30,9 +30,11 @@ struct UserViews {
 // their cameras say when both sides differ by one factor; the camera is scaled. Those of lenses with distortion are
 // undistorted and become PNG. dataparser: a file of
 // load_dataparser_transform that is applied to cameras of other programs, or empty. points, up: of the scene, for the
-// choice. bundle: the folder that the copies go to. Errors (exit code 3) name file and field.
+// choice. turn: a rotation that the scene was turned by and that the cameras follow, at the end. bundle: the folder
+// that the copies go to. Errors (exit code 3) name file and field.
 UserViews read_user_views(const std::string& cameras, const std::string& folder, const std::string& dataparser,
-                          const std::vector<Eigen::Vector3d>& points, const std::string& up, const std::string& bundle);
+                          const Eigen::Matrix3d& turn, const std::vector<Eigen::Vector3d>& points,
+                          const std::string& up, const std::string& bundle);
 
 }  // namespace physmas::splat
 

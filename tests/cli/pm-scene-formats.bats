@@ -221,6 +221,48 @@ JSON
   [ ! -e "$OUT" ]
 }
 
+@test "a PhysGaussian rotation turns the scene, its cameras with it" {
+  echo '{"rotation_degree": [30, -20.5], "rotation_axis": [2, 0], "g": [0, 0, -9.8], "opacity_threshold": 0, "sim_area":
+    [-9, 9, -9, 9, -9, 9], "boundary_conditions": [{"type": "cuboid", "point": [1, 1, 0.5], "size": [0.5, 0.5, 0.1],
+    "velocity": [0, 0, 0]}]}' > "$BATS_TEST_TMPDIR/config.json"
+  python3 -c 'import json, sys; print(json.dumps(json.load(open(sys.argv[1]))["views"]))' "$TINY/scene.json" \
+    > "$BATS_TEST_TMPDIR/cameras.json"
+  run --separate-stderr "$BIN/pm-scene" import "$TINY/gaussians.ply" --prompt "it falls" --out "$OUT" --views "$TINY" \
+    --cameras "$BATS_TEST_TMPDIR/cameras.json" --physgaussian "$BATS_TEST_TMPDIR/config.json"
+  [ "$status" -eq 0 ]
+  [[ "$output" == *"turned: "*" degrees about "* ]]
+  [[ "$output" != *"rotation_degree"* ]]
+  grep -q '"turned": ".* degrees about ' "$OUT/scene.json"
+  python3 - "$TINY" "$OUT" <<'PY'
+import json, math, struct, sys
+def turn(p):
+    a, b = math.radians(30), math.radians(-20.5)
+    x, y, z = math.cos(a) * p[0] - math.sin(a) * p[1], math.sin(a) * p[0] + math.cos(a) * p[1], p[2]
+    return x, math.cos(b) * y - math.sin(b) * z, math.sin(b) * y + math.cos(b) * z
+def means(path):
+    data = open(path, "rb").read()
+    end = data.index(b"end_header\n") + len(b"end_header\n")
+    count = data[:end].count(b"property float")
+    for at in range(end, len(data), 4 * count):
+        yield struct.unpack_from("<3f", data, at)
+def cameras(path):
+    for view in json.load(open(path))["views"]:
+        yield view["camera"]["world_to_camera"]
+def along(m, p):
+    m = [m[4 * i:4 * i + 4] for i in range(4)] if len(m) == 16 else m
+    return [sum(m[i][k] * p[k] for k in range(3)) + m[i][3] for i in range(3)]
+close = lambda a, b: all(abs(x - y) < 1e-5 for x, y in zip(a, b))
+before, after = list(means(sys.argv[1] + "/gaussians.ply")), list(means(sys.argv[2] + "/gaussians.ply"))
+assert len(before) == len(after) > 0
+assert all(close(turn(p), q) for p, q in zip(before, after))
+for m, n in zip(cameras(sys.argv[1] + "/scene.json"), cameras(sys.argv[2] + "/scene.json")):
+    assert all(close(along(m, p), along(n, turn(p))) for p in before[:50])
+run = json.load(open(sys.argv[2] + "/scene.json"))["run"]
+assert run["gravity"] == [0, 0, -9.8] and run["placement"]["up"] == "z", run
+assert close(run["colliders"][0]["min"], (0.5, 0.5, 0.4)), run["colliders"]
+PY
+}
+
 @test "an spz file is imported with y up" {
   python3 - "$TINY/gaussians.ply" "$BATS_TEST_TMPDIR/ball.spz" <<'PY'
 import gzip, math, struct, sys

@@ -184,6 +184,8 @@ PY
 @test "remote: the key appears in no output, whatever the server does with it" {
   serve unauthorised
   fails_remotely "HTTP 401" "PM_API_KEY" "[key]"
+  # A key that is a part of what stands for it.
+  PM_API_KEY=key fails_with 4 ask -- "HTTP 401" "[key]"
   stop_server
   serve echo
   fails_remotely "repeats the key"

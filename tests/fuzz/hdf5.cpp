@@ -7,7 +7,6 @@
 //   2 attribute of text: object, name, length, bytes
 // Names, types and objects are numbers into the lists below; what the input lacks is zero.
 #include <hdf5.h>
-#include <unistd.h>
 
 #include <string>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "records/masks.h"
 #include "records/rollout.h"
 #include "records/state.h"
+#include "scratch.h"
 
 namespace {
 
@@ -41,11 +41,6 @@ const std::vector<std::string> kNames = {"/gaussians/row",
                                          "/views/front/objects/spoon",
                                          "/map"};
 const std::vector<std::string> kAttributes = {"rows", "omitted", "s", "d", "L", "n", "confidence", "source", "schema"};
-
-struct File {
-  std::string path = "/dev/shm/physmas-fuzz-" + std::to_string(getpid()) + ".h5";
-  ~File() { unlink(path.c_str()); }
-};
 
 class Input {
  public:
@@ -162,21 +157,24 @@ Inventory lollipop() {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const File file;
+  static const Scratch scratch;
+  static const std::string path = scratch / "input.h5";
   static const Inventory inventory = lollipop();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  // The library clears half a megabyte for every file that it opens; so it is kept from one input to the next.
+  H5set_free_list_limits(-1, -1, -1, -1, -1, -1);
   Input input(data, size);
   const std::string record = input.one_of(kRecords);
-  write_file(file.path, record, input);
+  write_file(path, record, input);
   // What the record does not hold, its schema tells; so one reader each is enough.
   guard([&] {
     if (record == "rollout") {
-      const RolloutReader rollout(file.path, 2);
+      const RolloutReader rollout(path, 2);
       for (int t = 0; t < rollout.frame_count(); ++t) rollout.frame(t);
     } else if (record == "masks") {
-      load_masks(file.path, inventory, {"front"});
+      load_masks(path, inventory, {"front"});
     } else {
-      load_state(file.path, size % 2 == 0 ? nullptr : &inventory);
+      load_state(path, size % 2 == 0 ? nullptr : &inventory);
     }
   });
   return 0;

@@ -1,12 +1,10 @@
 // JSON records: parsing, the schema that the document names, and the loaders that check what a schema cannot.
-#include <unistd.h>
-
-#include <fstream>
 #include <functional>
 #include <map>
 
 #include "guard.h"
 #include "records/candidate.h"
+#include "records/configuration.h"
 #include "records/evaluation.h"
 #include "records/evidence.h"
 #include "records/example.h"
@@ -17,27 +15,24 @@
 #include "records/render.h"
 #include "records/screen.h"
 #include "records/study.h"
+#include "records/suite.h"
 #include "scene/scene.h"
+#include "scratch.h"
 
 namespace {
 
 using namespace physmas;
-
-// Loaders read files. One per process, removed at its end.
-struct File {
-  std::string path = "/dev/shm/physmas-fuzz-" + std::to_string(getpid()) + ".json";
-  ~File() { unlink(path.c_str()); }
-};
 
 // The inventory of tests/data/tiny.json, which the seeds belong to.
 Inventory tiny_inventory() {
   Inventory inventory;
   inventory.objects.emplace_back();
   inventory.objects.back().id = "lollipop";
-  for (const char* part : {"stick", "candy", "residual"}) {
+  for (const char* part : {"candy", "stick", "residual"}) {
     inventory.rows.emplace_back();
     inventory.rows.back().object = "lollipop";
     inventory.rows.back().part = part;
+    inventory.rows.back().residual = std::string(part) == "residual";
   }
   return inventory;
 }
@@ -51,6 +46,17 @@ StudyKey one_case() {
   key.cases.back().id = "cake";
   key.cases.back().codes = {{"c1", "physmas"}, {"c2", "other"}};
   return key;
+}
+
+// What the seed of `suite` names.
+bool write_suite_files(const Scratch& scratch) {
+  scratch.write("example.json",
+                R"({"schema":"physmas/example/1","name":"lollipop","prompt":"it falls","objects":[{"id":"lollipop",)"
+                R"("name":"lollipop","parts":[{"part":"candy","name":"candy","shapes":[{"type":"sphere","radius":1,)"
+                R"("center":[0,0,0],"color":[1,0,0]}]}]}]})");
+  scratch.write("reference.json", R"({"schema":"physmas/configuration/1","rows":{"lollipop/candy":{"branch":"Foam",)"
+                                  R"("E":1e6,"nu":0.3,"rho":500}},"actions":[]})");
+  return true;
 }
 
 void load_run(const std::string& path) {
@@ -71,7 +77,7 @@ const std::map<std::string, std::function<void(const std::string& path)>>& loade
       {"material_records", [](const std::string& path) { load_material_records(path, inventory); }},
       {"evidence",
        [](const std::string& path) {
-         load_evidence(path, {"lollipop/stick", "lollipop/candy", "lollipop/residual"});
+         load_evidence(path, {"lollipop/candy", "lollipop/stick", "lollipop/residual"});
        }},
       {"candidate", [](const std::string& path) { load_candidate(path); }},
       {"round", [](const std::string& path) { load_round(path); }},
@@ -85,6 +91,8 @@ const std::map<std::string, std::function<void(const std::string& path)>>& loade
       {"study", [](const std::string& path) { load_study_key(path); }},
       {"answers", [](const std::string& path) { load_study_answers(path, key); }},
       {"upr", [](const std::string& path) { load_upr(path); }},
+      {"configuration", [](const std::string& path) { load_configuration(path, inventory); }},
+      {"suite", [](const std::string& path) { load_suite(path); }},
   };
   return kLoaders;
 }
@@ -92,7 +100,9 @@ const std::map<std::string, std::function<void(const std::string& path)>>& loade
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const File file;
+  static const Scratch scratch;
+  static const bool once = write_suite_files(scratch);
+  (void)once;
   const std::string text(reinterpret_cast<const char*>(data), size);
   guard([&] {
     const Json document = parse_json(text, "input.json");
@@ -100,8 +110,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const std::string schema = document.at("schema").get<std::string>();
     for (const auto& [name, load] : loaders()) {
       if (schema != "physmas/" + name + "/1") continue;
-      std::ofstream(file.path, std::ios::binary) << text;
-      load(file.path);
+      load(scratch.write("input.json", text));
     }
   });
   return 0;

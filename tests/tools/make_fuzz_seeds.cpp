@@ -2,14 +2,18 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <map>
 
 #include "../unit/npz_bytes.h"
 #include "../unit/spz_bytes.h"
 #include "base/file.h"
+#include "base/hash.h"
+#include "remote/exchange.h"
 #include "scene/gaussian_files.h"
 #include "scene/physgaussian.h"
 #include "scene/scene.h"
 #include "splat/image_io.h"
+#include "splat/video.h"
 
 using namespace physmas;
 
@@ -165,6 +169,99 @@ std::string hdf5_masks() {
   return seed.bytes();
 }
 
+std::string exchange() {
+  remote::ExchangeRecord record;
+  record.name = "model_points";
+  record.method = "POST";
+  record.url = "http://localhost:8080/v2/models/tracker/infer";
+  record.request_body = {
+      {"inputs", {{{"name", "queries"}, {"shape", {1, 2}}, {"datatype", "FP32"}, {"data", {1.0, 2.0}}}}},
+      {"outputs", {{{"name", "tracks"}}, {{"name", "visibility"}}}}};
+  record.status = 200;
+  record.content_type = "application/json";
+  record.body = R"({"outputs":[{"name":"tracks","datatype":"FP32","shape":[1,2],"data":[[0.5,null]]},)"
+                R"({"name":"visibility","datatype":"BOOL","shape":[2,1],"data":[true,false]}]})";
+  const Json both = {{"request",
+                      {{"method", record.method},
+                       {"url", record.url},
+                       {"body", record.request_body},
+                       {"attachments", record.attachments}}},
+                     {"response",
+                      {{"status", record.status},
+                       {"content_type", record.content_type},
+                       {"sha256", sha256_text(record.body)},
+                       {"body", record.body}}}};
+  Json json = both;
+  json["schema"] = "physmas/exchange/1";
+  json["name"] = record.name;
+  json["sha256"] = record.sha256();
+  json["runtime"] = Json::object();
+  return json.dump();
+}
+
+// The scene agent's answer; part: of its only row besides the stick.
+std::string scene_answer(const std::string& actions) {
+  return R"({"objects":[{"id":"lollipop","name":"lollipop","scene_role":"target"}],"rows":[)"
+         R"({"object":"lollipop","part":"stick","name":"stick","structural_role":"support","physics_group":"","expected_labels":["Wood"]},)"
+         R"({"object":"lollipop","part":"candy","name":"candy","structural_role":"","physics_group":"","expected_labels":[]}],)"
+         R"("actions":)" +
+         actions + "}";
+}
+
+std::string tensor(const std::string& name, const std::string& type, const std::string& shape,
+                   const std::string& data) {
+  return R"({"name":")" + name + R"(","datatype":")" + type + R"(","shape":)" + shape + R"(,"data":)" + data + "}";
+}
+
+// A reply per string, as tests/fuzz/models.cpp separates them.
+std::string answers(char who, const std::vector<std::string>& list) {
+  std::string bytes(1, who);
+  for (size_t i = 0; i < list.size(); ++i) bytes += (i > 0 ? "\x1e" : "") + list[i];
+  return bytes;
+}
+
+std::map<std::string, std::string> model_seeds() {
+  const std::string press = R"([{"type":"top_press","source":null,"target":"lollipop/candy","role":"target",)"
+                            R"("direction":"down","magnitude":0.5,"start":0.1,"end":null}])";
+  const std::string drag =
+      R"([{"type":"translation","source":"lollipop/candy","target":"the stick","role":"target",)"
+      R"("direction":"from the left toward lollipop/stick","magnitude":null,"start":null,"end":1},)"
+      R"({"type":"support_hold","source":null,"target":"lollipop","role":"support",)"
+      R"("direction":[0,0,1],"magnitude":1,"start":0,"end":1}])";
+  const auto query = [](const std::string& key) {
+    return R"({"key":")" + key + R"(","text":"a thing","visible_views":["front"],"colors":[[255,0,0]]})";
+  };
+  const std::string all =
+      R"({"queries":[)" + query("lollipop") + "," + query("lollipop/stick") + "," + query("lollipop/candy") + "]}";
+  const std::string metadata = R"({"inputs":[{"name":"crops"},{"name":"image"},{"name":"prompt"},{"name":"boxes"}],)"
+                               R"("outputs":[{"name":"E_mean"},{"name":"E_uncertainty"},{"name":"nu_mean"},)"
+                               R"({"name":"nu_uncertainty"},{"name":"label_evidence"},{"name":"boxes"},)"
+                               R"({"name":"scores"},{"name":"phrases"},{"name":"masks"}]})";
+  std::string prediction = R"({"outputs":[)";
+  for (const char* name : {"E_mean", "E_uncertainty", "nu_mean", "nu_uncertainty"})
+    prediction += tensor(name, "FP32", "[1]", "[0.25]") + ",";
+  prediction += tensor("label_evidence", "FP32", "[1,14]", "[[0,0,1,null,0,0,0,0,0,0,0,0,0,0]]") + "]}";
+  const std::string boxes = R"({"outputs":[)" + tensor("boxes", "FP32", "[2,4]", "[[0,0,4,2],[1,0,8,2]]") + "," +
+                            tensor("scores", "FP32", "[2,1]", "[0.9,0.5]") + "," +
+                            tensor("phrases", "BYTES", "[2]", R"(["a","b"])") + "]}",
+                    masks = R"({"outputs":[)" +
+                            tensor("masks", "UINT8", "[2,2,8]",
+                                   "[" + std::string("1,0,1,0,1,0,1,0,") +
+                                       "1,0,1,0,1,0,1,0,0,0,0,0,0,0,0,0,1,1,1,1,1,1,1,1]") +
+                            "," + tensor("scores", "FP32", "[2]", "[0.5,1]") + "]}";
+  const Json completion = {{"choices", {{{"finish_reason", "stop"}, {"message", {{"content", scene_answer(press)}}}}}}};
+  return {{"scene", answers('s', {"<think>so</think>```json\n" + scene_answer(press) + "```", all})},
+          {"scene-again", answers('s', {"no", scene_answer(drag), all})},
+          {"scene-registered", answers('r', {scene_answer(drag), R"({"queries":[)" + query("lollipop/stick") + "]}"})},
+          {"completion", answers('w', {completion.dump()})},
+          {"material",
+           answers('m', {R"({"key":"lollipop/stick","abstain":false,"confidence":0.5,"visible_views":["front"],)"
+                         R"("labels":[{"label":"Wood","probability":1}],"profiles":[{"profile":"Jelly",)"
+                         R"("probability":0.5}],"statistics":{"E":1e9,"nu":null}})"})},
+          {"predictor", answers('P', {metadata, prediction, prediction})},
+          {"detector", answers('D', {metadata, metadata, boxes, masks})}};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -246,6 +343,13 @@ int main(int argc, char** argv) {
                           R"(,"respondents":2,"resamples":10,"seed":0,"cases":[{"id":"cake","responses":2,)"
                           R"("counts":{"physmas":2,"other":0}}],"sets":[{"name":"Jelly","cases":1,"upr":{"physmas":)"
                           R"({"value":100,"low":90,"high":100}}}]})");
+  seed("records/configuration",
+       R"({"schema":"physmas/configuration/1","settings":["grid.n=32"],"rows":{"lollipop/stick":{"branch":"Metal",)"
+       R"("E":1e9,"nu":0.3,"rho":900},"lollipop/candy":{"branch":"Foam","E":1e6,"nu":0.3,"rho":500}},"actions":[]})");
+  seed("records/suite",
+       R"({"schema":"physmas/suite/1","settings":["grid.n=32"],"methods":[{"id":"physmas","name":"P","settings":[]}],)"
+       R"("comparison":["physmas"],"required":["seconds"],"cases":[{"id":"lollipop","kind":"multi-part",)"
+       R"("example":"example.json","reference":"reference.json","objects":["lollipop"]}]})");
   seed("records/evaluation",
        R"({"schema":"physmas/evaluation/1","methods":[{"id":"physmas","name":"PhysMAS"},{"id":"other","name":"O"}],)"
        R"("comparison":["physmas","other"],"ablation":["physmas"],"required":["upr"],"cases":[{"id":"cake",)"
@@ -285,6 +389,43 @@ int main(int argc, char** argv) {
                           std::string("\xff\xc4\0\x14\0\1", 6) + std::string(15, '\0') + std::string("\0", 1) +
                           std::string("\xff\xc4\0\x14\x10\1", 6) + std::string(15, '\0') + std::string("\0", 1) +
                           std::string("\xff\xda\0\x08\1\1\0\0\x3f\0\x3f\xff\xd9", 13));
+
+  seed("arrays/embeddings", R"({"text":[1,0],"frames":[[1,0],[0.5,1]]})");
+
+  for (const int frames : {1, 3}) {
+    splat::VideoWriter writer(fmt::format("{}/video/{}-frames", folder, frames), 16, 16, 25);
+    Image frame(16, 16, 3);
+    for (int t = 0; t < frames; ++t) {
+      for (size_t i = 0; i < frame.pixels.size(); ++i) frame.pixels[i] = static_cast<uint8_t>((3 + t) * i);
+      writer.write(frame);
+    }
+    writer.finish();
+  }
+
+  seed("merges/two", std::string("\x0bit's 1 ball!#version\nb a\nba l\r\nl l</w>\nba ll</w>\n"));
+  seed("merges/bytes", std::string("\x02i i\n\xc4\xa0 \xc3\xbf</w>\ni </w>\n"));
+  seed("exchange/points", exchange());
+  for (const auto& [name, text] : model_seeds()) seed("models/" + name, text);
+
+  const std::string reply = R"({"outputs":[]})", type = "Content-Type: application/json\r\n";
+  seed("http/reply", "HTTP/1.1 200 OK\r\n" + type + fmt::format("Content-Length: {}\r\n\r\n{}", reply.size(), reply));
+  seed("http/chunked",
+       "HTTP/1.1 100 Continue\r\n\r\nHTTP/1.1 200 OK\r\n" + type +
+           fmt::format("Transfer-Encoding: chunked\r\n\r\n{:x}\r\n{}\r\n0\r\n\r\n", reply.size(), reply));
+  seed("http/busy", "HTTP/1.1 503 Busy\r\nRetry-After: 1\r\nContent-Type: text/html\r\n\r\n<p>busy");
+  seed("http/moved", "HTTP/1.1 307 Moved\r\nLocation: /v1/there\r\nContent-Length: 0\r\n\r\n");
+  seed("http/unknown", "HTTP/1.0 404 Not Found\r\n\r\nthe key is key");
+
+  seed("lists/hashes", "h" + std::string(64, 'a') + "  suite.json\n" + std::string(64, '0') + "  cake.json\n");
+  seed("lists/result", "rdone\tposterior\t12.5\n");
+  seed("lists/failed", "rfailed\tno reason\n");
+  seed("lists/log",
+       "lpm-lift: info: a\npm-lift: error: b\nmake: *** [x] Error 3\n\x1e"
+       "2 1.5\n");
+
+  seed("prompt/press", "A hand presses the top of the sponge of the cake down hard for 0.5 s, then it is released.");
+  seed("prompt/roll", "The ball slowly rolls from the left into the cake at 2 m/s after 1 second and bounces off");
+  seed("prompt/twist", "twist the icing clockwise; the cake isn't squeezed by the wind, and it falls onto the floor");
 
   seed("physgaussian/defaults", "{}");
   seed(

@@ -101,3 +101,14 @@ TEST_CASE("base: an input error names file, field, found, expected and fix on on
   CHECK(std::string(e.what()) == "a.json: /rows/0: found 3 4, expected a string; quote it");
   CHECK(e.code() == ExitCode::invalid_input);
 }
+
+TEST_CASE("base: messages are one line of UTF-8, cut between characters") {
+  CHECK(one_line("a\n\t\x7f b", 10) == "a  b");
+  CHECK(one_line("abc", 3) == "abc");
+  CHECK(one_line("abcd", 3) == "abc...");
+  CHECK(one_line("ab\xc3\xa4\xc3\xa4", 3) == "ab\xc3\xa4...");
+  // Cut off, continued without a beginning, too long a form, half a surrogate pair, beyond the last character.
+  CHECK(one_line("\xc3") == "?");
+  CHECK(one_line("\xe2\x82|\xa4|\xc0\xaf|\xe0\x80\xaf|\xed\xa0\x80|\xf4\x90\x80\x80") == "??|?|??|???|???|????");
+  CHECK(one_line("\xe2\x82\xac\xf0\x9f\x8d\xb0") == "\xe2\x82\xac\xf0\x9f\x8d\xb0");
+}

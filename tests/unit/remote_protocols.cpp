@@ -174,7 +174,7 @@ TEST_CASE("remote: addresses") {
   CHECK(origin_of("http://HOST/x") == origin_of("http://host:80/y"));
   CHECK(origin_of("/relative") == "");
   for (const char* bad :
-       {"http://", "file:///etc/passwd", "http://u@h/", "http://h/?k=v", "http://h/#f", "http://h h/"}) {
+       {"http://", "file:///etc/passwd", "http://u@h/", "http://h/?k=v", "http://h/#f", "http://h h/", "http://h/\xff"}) {
     CAPTURE(bad);
     CHECK(contains(message_of([&] { parse_url(bad, "--agent"); }, ExitCode::usage), "--agent: found"));
   }

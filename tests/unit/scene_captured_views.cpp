@@ -177,7 +177,7 @@ TEST_CASE("cameras: nerfstudio's dataparser transform moves cameras into the fra
   Json document = {{"w", 200}, {"h", 100}, {"fl_x", 150}, {"fl_y", 140}, {"applied_transform", rows}};
   document["frames"] = {{{"file_path", "a"}, {"transform_matrix", opengl_pose(captured, applied)}}};
   std::vector<CapturedView> views = views_of(document);
-  dataparser_transform_from(transform, "d.json").apply(views);
+  dataparser_transform_from(transform, "d.json").apply(views.at(0).camera);
   check_projects(views.at(0), "a");
 
   // applied_scale: the file's positions are larger than the capture's.
@@ -187,7 +187,7 @@ TEST_CASE("cameras: nerfstudio's dataparser transform moves cameras into the fra
     position = 2 * position.get<double>();
   }
   views = views_of(document);
-  dataparser_transform_from(transform, "d.json").apply(views);
+  dataparser_transform_from(transform, "d.json").apply(views.at(0).camera);
   check_projects(views.at(0), "a");
 
   const auto refused = [](const Json& json) { return message_of([&] { dataparser_transform_from(json, "d.json"); }); };

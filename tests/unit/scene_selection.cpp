@@ -212,14 +212,30 @@ TEST_CASE("physgaussian: hints are a valid record, for rows and for the whole ob
   }
 }
 
-TEST_CASE("physgaussian: rotations that are no quarter turns are named, with what depends on them") {
-  const PhysGaussianImport import = import_of(R"({"rotation_degree": [30], "rotation_axis": [2], "sim_area":
-    [0, 1, 0, 1, 0, 1], "boundary_conditions": [{"type": "cuboid", "point": [1, 1, 1], "size": [1, 1, 1],
-    "velocity": [0, 0, 0]}]})");
-  CHECK(omits(import, "/rotation_degree"));
-  CHECK(omits(import, "/sim_area"));
-  CHECK(omits(import, "/boundary_conditions/0 (cuboid)"));
-  CHECK(import.run["colliders"].empty());
+TEST_CASE("physgaussian: the scene is turned by rotations that are no quarter turns; all else is PhysGaussian's then") {
+  const PhysGaussianImport import = import_of(R"({"rotation_degree": [30, 90], "rotation_axis": [2, 0], "g": [0, 1, -9],
+    "sim_area": [-3, 1, -4, 2, -5, 3], "boundary_conditions": [{"type": "cuboid", "point": [1, 1, 0.5],
+    "size": [0.5, 0.4, 0.3], "velocity": [0, 0, 0]}, {"type": "particle_impulse", "force": [0, 2, 0]}]})");
+  // First x towards y by 30 degrees, then y to z.
+  const double c = std::sqrt(0.75), s = 0.5;
+  CHECK((import.turn * Vector3d::UnitX() - Vector3d(c, 0, s)).norm() < 1e-12);
+  CHECK((import.turn * Vector3d::UnitY() - Vector3d(-s, 0, c)).norm() < 1e-12);
+  CHECK((import.turn * Vector3d::UnitZ() - Vector3d(0, -1, 0)).norm() < 1e-12);
+  CHECK(import.up == "z");
+  check_vector(import.run["gravity"], {0, 1, -9});
+  REQUIRE(import.run["colliders"].size() == 1);
+  check_vector(import.run["colliders"][0]["min"], {0.5, 0.6, 0.2});
+  check_vector(import.run["colliders"][0]["max"], {1.5, 1.4, 0.8});
+  CHECK(contains(why(import, "/boundary_conditions/1 (particle_impulse)"), "along y"));
+  CHECK_FALSE(omits(import, "/rotation_degree"));
+  // The area is of the turned scene: scene x 3 is (3c, 0, 3s) there, scene y -5 is (5s, 0, -5c).
+  Gaussians g;
+  g.resize(4, 0);
+  g.position = {{0, 0, 0}, {3, 0, 0}, {-2, 0, 0}, {0, -5, 0}};
+  CHECK(select_gaussians(g, import.selection, "f") == 2);
+  CHECK(g.position[1].x() == -2);
+
+  CHECK(import_of(R"({"rotation_degree": [90, 180], "rotation_axis": [2, 0]})").turn == Eigen::Matrix3d::Identity());
 }
 
 TEST_CASE("physgaussian: broken configurations are refused by field") {
