@@ -12,6 +12,10 @@
 #include <experimental/simd>
 #pragma GCC diagnostic pop
 
+#if defined(__clang__) && defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
 #include "mpm/scalar.h"
 
 namespace physmas::mpm {
@@ -70,9 +74,21 @@ PHYSMAS_INLINE typename Lanes<T>::mask_type lane_mask(LaneBits bits) {
 template <class T, class Abi>
 PHYSMAS_INLINE stdx::simd<T, Abi> select(const stdx::simd_mask<T, Abi>& condition, const stdx::simd<T, Abi>& yes,
                                          const stdx::simd<T, Abi>& no) {
+#if defined(__clang__) && defined(__AVX512F__)
+  // Under clang masked assignment of libstdc++ 12 does nothing where masks are bits.
+  static_assert(sizeof(yes) == 64);
+  if constexpr (sizeof(T) == 4) {
+    return same_bytes<stdx::simd<T, Abi>>(
+        _mm512_mask_blend_ps(same_bytes<std::uint16_t>(condition), same_bytes<__m512>(no), same_bytes<__m512>(yes)));
+  } else {
+    return same_bytes<stdx::simd<T, Abi>>(
+        _mm512_mask_blend_pd(same_bytes<std::uint8_t>(condition), same_bytes<__m512d>(no), same_bytes<__m512d>(yes)));
+  }
+#else
   stdx::simd<T, Abi> result = no;
   stdx::where(condition, result) = yes;
   return result;
+#endif
 }
 // The compiler's own vector of the same size: its comparisons compile to one maximum or minimum.
 template <class T, class Abi>

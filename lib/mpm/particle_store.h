@@ -101,7 +101,7 @@ class ParticleStore {
   struct Departure {
     std::uint8_t cell, code;
   };
-  std::vector<Departure> departures_;  // per slot
+  std::vector<Departure> departures_;    // per slot
   std::vector<BlockLayout<W>> layouts_;  // per block; indices count from the block's first arrival
   int channels_ = 0;
   std::vector<T> empty_;  // the numbers of a register of empty slots
@@ -401,14 +401,14 @@ void ParticleStore<T>::sort() {
   numbers_.swap(other_);
   other_.resize(static_cast<size_t>(slots_) * channels_);
   bind();
-  setup_.team->for_each(now, [&](int b) {
-    for_each_register(b, [&](int group, const Arrival* const* from) { describe(group, from); });
-  });
+  setup_.team->for_each(
+      now, [&](int b) { for_each_register(b, [&](int group, const Arrival* const* from) { describe(group, from); }); });
 }
 
 // Channels lie one after the other in each register's numbers.
 template <class T>
 void ParticleStore<T>::bind() {
+  if (slots_ == 0) return;
   const size_t step = static_cast<size_t>(channels_) * W;
   int next = 0;
   for_each_channel([&](Channel& c, T) { c = {numbers_.data() + W * next++, step}; });
