@@ -3,7 +3,7 @@
 // A particle belongs to the cell of its base node, the lowest of the 3 nodes per axis that its quadratic B-spline
 // touches. A block's particles reach its 4^3 cells, the two further nodes of the stencil, and one more cell on each
 // side, since particles may drift by up to one cell between two sorts: nodes -1 to 6 of its own, so that blocks whose
-// distance is even along every axis never meet.
+// distance is even along x and y never meet unless they have both in common.
 #ifndef PHYSMAS_MPM_BLOCKS_H
 #define PHYSMAS_MPM_BLOCKS_H
 

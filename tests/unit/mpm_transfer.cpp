@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "mpm/block_layout.h"
 #include "mpm/blocks.h"
 #include "mpm/grid_exchange.h"
 #include "mpm/team.h"
@@ -235,6 +236,56 @@ TEST_CASE("mpm blocks: every block is in the order once, after the neighbours th
         if (waits(b, other) && range_of(b) == range_of(other)) CHECK(place[other] < place[b]);
         if (one_run && other < b) CHECK(place[other] < place[b]);
       }
+    }
+  }
+}
+
+TEST_CASE("mpm block layout: every particle has one slot, and those in columns lie in their cell and share a row") {
+  constexpr int W = 16, kCells = W / kColumnSlots;
+  std::mt19937 random(11);
+  BlockLayout<W> layout;  // used again, as the solver does
+  for (const int rows : {1, 3}) {
+    for (const int count : {1, 15, 200, 600}) {
+      CAPTURE(rows);
+      CAPTURE(count);
+      std::vector<Arrival> arrivals;
+      for (int k = 0; k < count; ++k) {
+        arrivals.push_back({k, static_cast<int>(random() % rows), static_cast<std::uint8_t>(random() % 48), 13});
+      }
+      ParticleBlock block;
+      block.count = count;
+      layout.lay_out(arrivals.data(), block);
+      REQUIRE(layout.from.size() == static_cast<size_t>(block.slots));
+      REQUIRE(layout.column.size() * W == static_cast<size_t>(block.slots));
+      std::vector<int> held(count);
+      for (int slot = 0; slot < block.slots; ++slot) {
+        if (layout.from[slot] >= 0) ++held[layout.from[slot]];
+      }
+      CHECK(*std::min_element(held.begin(), held.end()) == 1);
+      CHECK(*std::max_element(held.begin(), held.end()) == 1);
+      int columns = 0;
+      for (int r = 0; r < block.slots / W; ++r) {
+        CHECK((layout.column[r] < 0) == (r < block.loose));
+        if (layout.column[r] < 0) continue;
+        ++columns;
+        int filled = 0, wrong = 0;
+        std::set<int> rows_here;
+        for (int l = 0; l < W; ++l) {
+          const int k = layout.from[r * W + l];
+          if (k < 0) continue;
+          ++filled;
+          wrong += arrivals[k].cell != layout.column[r] + l / kColumnSlots;
+          rows_here.insert(arrivals[k].row);
+        }
+        CHECK(layout.column[r] % kCells == 0);
+        CHECK(wrong == 0);
+        CHECK(rows_here.size() == 1);
+        CHECK(filled >= BlockLayout<W>::kLeastFilled);
+      }
+      CHECK((columns > 0) == (count == 600 || (count == 200 && rows == 1)));
+      // Cells 0 to 47 are the planes x = 0 to 2, which reach one node less and three more.
+      CHECK(block.low[0] >= -1);
+      CHECK(block.high[0] <= 2 + 3);
     }
   }
 }
