@@ -81,7 +81,7 @@ std::vector<SchemaViolation> find_schema_violations(const nlohmann::ordered_json
 }
 
 const nlohmann::ordered_json& schema_document(const std::string& record) {
-  static std::map<std::string, nlohmann::ordered_json> cache;
+  thread_local std::map<std::string, nlohmann::ordered_json> cache;
   nlohmann::ordered_json& schema = cache[record];
   if (schema.is_null()) schema = nlohmann::ordered_json::parse(schema_text(record + ".json"));
   return schema;
