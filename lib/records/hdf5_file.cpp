@@ -240,6 +240,9 @@ std::string Hdf5Reader::read_text_attribute(const std::string& object, const std
   const Handle type(H5Aget_type(attribute));
   if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
     throw invalid(where, "another type", "a fixed-length text");
+  const Handle space(H5Aget_space(attribute));
+  const hssize_t texts = H5Sget_simple_extent_npoints(space);
+  if (texts != 1) throw invalid(where, fmt::format("{} texts", texts), "one text");
   const size_t size = H5Tget_size(type);
   if (size > (size_t{64} << 20)) throw invalid(where, fmt::format("{} bytes", size), "a shorter text");
   std::string text(size, '\0');

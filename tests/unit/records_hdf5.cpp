@@ -1,5 +1,6 @@
 // HDF5 artifacts: deterministic bytes, round trips, hostile files.
 #include <doctest/doctest.h>
+#include <hdf5.h>
 
 #include <functional>
 #include <limits>
@@ -126,6 +127,24 @@ TEST_CASE("hdf5: another record, another type, another shape are refused by name
   const RolloutReader reader(folder / "r.h5", 2);
   CHECK(reader.frame_count() == 2);
   CHECK(reader.frame(1).position.size() == 6);
+}
+
+TEST_CASE("hdf5: an attribute of several texts is refused before it is read") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "texts.h5";
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, 8);
+  const hsize_t count = 4;
+  const hid_t space = H5Screate_simple(1, &count, nullptr);
+  const hid_t attribute = H5Acreate2(file, "schema", type, space, H5P_DEFAULT, H5P_DEFAULT);
+  const char texts[4][8] = {"physmas", "physmas", "physmas", "physmas"};
+  CHECK(H5Awrite(attribute, type, texts) >= 0);
+  H5Aclose(attribute);
+  H5Sclose(space);
+  H5Tclose(type);
+  H5Fclose(file);
+  CHECK(message_of([&] { load_state(path); }).find("/@schema: found 4 texts, expected one text") != std::string::npos);
 }
 
 TEST_CASE("hdf5: masks name unknown views, objects and rows") {
