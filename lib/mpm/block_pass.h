@@ -303,7 +303,7 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
 template <class T>
 void BlockPass<T>::scatter_strays(const GridExchange<T>& exchange, T* nodes, const T* x, int column, LaneBits lanes,
                                   GridNumbers<T>& numbers) {
-  const Vec3<V> at = {V(x, stdx::vector_aligned), V(x + W, stdx::vector_aligned), V(x + 2 * W, stdx::vector_aligned)};
+  const Vec3<V> at = GridExchange<T>::load(x);
   const Vec3<V> base = base_of(at);
   const Vec3<V> shift = base - GridExchange<T>::column_base(column);
   GridNumbers<T> strays;

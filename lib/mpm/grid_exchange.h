@@ -14,9 +14,13 @@ class GridExchange {
  public:
   using V = Lanes<T>;
   static constexpr int W = kLanes<T>;
-  static constexpr LaneBits kAllLanes = (LaneBits(1) << W) - 1;
 
   explicit GridExchange(const GridLayout& grid) : step_{grid.step_x(), grid.step_y()} {}
+
+  // Positions as below.
+  static PHYSMAS_INLINE Vec3<V> load(const T* x) {
+    return {V(x, stdx::vector_aligned), V(x + W, stdx::vector_aligned), V(x + 2 * W, stdx::vector_aligned)};
+  }
 
   // nodes: velocities from the block's first node on. x: the particles' positions, W numbers an axis [cells from that
   // node]. lanes: those that hold particles; others get zeros.
@@ -29,7 +33,7 @@ class GridExchange {
     write_offsets(base, offset);
     alignas(64) T record[W][16];
     const RowSteps step = step_;
-    if (lanes != kAllLanes) std::memset(record, 0, sizeof(record));
+    if (lanes != kAllLanes<T>) std::memset(record, 0, sizeof(record));
     for (; lanes != 0; lanes &= lanes - 1) {
       const int l = __builtin_ctz(lanes);
       T w[9];
@@ -88,7 +92,7 @@ class GridExchange {
       Place<V> place[R];
       for (int k = 0; k < R; ++k) {
         place[k] = place_of(load(x[r + k]), base);
-        if (lanes[r + k] == kAllLanes) continue;
+        if (lanes[r + k] == kAllLanes<T>) continue;
         const auto held = lane_mask<T>(lanes[r + k]);
         for (V& w : place[k].weight[0]) w = select(held, w, V(T(0)));
       }
@@ -104,9 +108,6 @@ class GridExchange {
   }
 
  private:
-  static PHYSMAS_INLINE Vec3<V> load(const T* x) {
-    return {V(x, stdx::vector_aligned), V(x + W, stdx::vector_aligned), V(x + 2 * W, stdx::vector_aligned)};
-  }
   // Of the stencils, from the block's first node.
   PHYSMAS_INLINE void write_offsets(const Vec3<V>& base, int* offset) const {
     typedef int Integers __attribute__((vector_size(W * sizeof(int))));

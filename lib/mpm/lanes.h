@@ -44,6 +44,8 @@ PHYSMAS_INLINE To same_bytes(const From& from) {
 
 // Bit l: lane l.
 using LaneBits = unsigned;
+template <class T>
+constexpr LaneBits kAllLanes = (LaneBits(1) << kLanes<T>)-1;
 
 template <class T, class Abi>
 PHYSMAS_INLINE LaneBits lane_bits(const stdx::simd_mask<T, Abi>& mask) {

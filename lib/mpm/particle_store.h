@@ -80,8 +80,8 @@ class ParticleStore {
   template <class Function>
   void for_each_register(int b, const Function& function) const;
   void bind();
-  // What the lanes of a group have in common. from: per slot, the arrival that it holds, or null.
-  void describe(int group, const Arrival* const* from);
+  // What the lanes of a group have in common. from: per lane, the arrival that it holds, or null; held: its particle.
+  void describe(int group, const Arrival* const* from, const int* held);
   // Calls function(channel, what an empty slot holds).
   template <class Function>
   void for_each_channel(const Function& function) {
@@ -177,7 +177,7 @@ long long ParticleStore<T>::load(const State& state) {
           if (setup_.track_total_F) total_F[k][s] = real ? T(state.total_F[i][k / 3][k % 3]) : T(k % 4 == 0);
         }
       }
-      describe(group, from);
+      describe(group, from, &particle[group * W]);
     });
   });
   return clamped;
@@ -232,7 +232,7 @@ void ParticleStore<T>::place() {
 template <class T>
 void ParticleStore<T>::leave_column(int block, int group, LaneBits lanes) {
   ParticleBlock& home = map.particle_blocks[block];
-  const LaneBits all = (LaneBits(1) << W) - 1, held = group_lanes[group];
+  const LaneBits all = kAllLanes<T>, held = group_lanes[group];
   const int row = group_row[group], first = home.begin / W;
   int room = 0;
   for (int g = first; g < first + home.loose; ++g) room += __builtin_popcount(all & ~group_lanes[g]);
@@ -268,7 +268,7 @@ void ParticleStore<T>::leave_column(int block, int group, LaneBits lanes) {
 }
 
 template <class T>
-void ParticleStore<T>::describe(int group, const Arrival* const* from) {
+void ParticleStore<T>::describe(int group, const Arrival* const* from, const int* held) {
   int row = -1;
   bool mixed = false, controlled = false;
   LaneBits lanes = 0;
@@ -277,7 +277,7 @@ void ParticleStore<T>::describe(int group, const Arrival* const* from) {
     mixed = mixed || (lanes != 0 && from[l]->row != row);
     row = from[l]->row;
     lanes |= LaneBits(1) << l;
-    if (has_controls_) controlled = controlled || setup_.control_group[particle[group * W + l]] != 0;
+    if (has_controls_) controlled = controlled || setup_.control_group[held[l]] != 0;
   }
   group_row[group] = mixed ? -1 : row;
   group_lanes[group] = lanes;
@@ -395,14 +395,13 @@ void ParticleStore<T>::sort() {
           x_here = from[l] ? x_here - T(kBlock * moved[axis]) : rest(group * W + l, axis);
         }
       }
+      describe(group, from, &spare_particle_[group * W]);
     });
   });
   particle.swap(spare_particle_);
   numbers_.swap(other_);
   other_.resize(static_cast<size_t>(slots_) * channels_);
   bind();
-  setup_.team->for_each(
-      now, [&](int b) { for_each_register(b, [&](int group, const Arrival* const* from) { describe(group, from); }); });
 }
 
 // Channels lie one after the other in each register's numbers.
