@@ -79,9 +79,9 @@ PHYSMAS_INLINE Pair pushed_out(const P& a, std::index_sequence<I...>) {
   return __builtin_shufflevector(a, P{}, (int(I) < kBy ? kSize - kBy + int(I) : kSize + int(I) % kSize)...);
 }
 
-// Velocity component kAxis and its first moments about the particles, of R registers of the same column.
-template <int kAxis, int R, class T>
-PHYSMAS_INLINE void gather_component(const T* corner, const RowSteps& steps, const Part<T> (*w)[3][3],
+// A component of the velocity and its first moments about the particles, of R registers of the same column.
+template <int R, class T>
+PHYSMAS_INLINE void gather_component(int axis, const T* corner, const RowSteps& steps, const Part<T> (*w)[3][3],
                                      const Part<T> (*to_center)[3], GridNumbers<T>* out) {
   using P = Part<T>;
   constexpr auto all = std::make_index_sequence<Row<T>::kPart>();
@@ -91,9 +91,8 @@ PHYSMAS_INLINE void gather_component(const T* corner, const RowSteps& steps, con
     P sum[R], low[R], slope[R], z[R];
 #pragma GCC unroll 3
     for (int j = 0; j < 3; ++j) {
-      const T* row = corner + i * steps.x + j * steps.y;
-      const P n0 = spread<kAxis + 1>(load(row), all), n1 = spread<kAxis + 1>(load(row + 4), all),
-              n2 = spread<kAxis + 1>(load(row + 8), all);
+      const T* row = corner + i * steps.x + j * steps.y + axis;
+      const P n0 = spread<1>(load(row), all), n1 = spread<1>(load(row + 4), all), n2 = spread<1>(load(row + 8), all);
 #pragma GCC unroll 2
       for (int r = 0; r < R; ++r) {
         const P a = rounded_part(w[r][2][0] * n0);
@@ -121,10 +120,10 @@ PHYSMAS_INLINE void gather_component(const T* corner, const RowSteps& steps, con
   }
   for (int r = 0; r < R; ++r) {
     const auto store = [&](int k, const P& lanes) { std::memcpy(out[r].number[k], &lanes, sizeof(lanes)); };
-    store(out->vector(kAxis), total[r]);
-    store(out->matrix(kAxis, 0), along_x[r] + to_center[r][0] * total[r]);
-    store(out->matrix(kAxis, 1), along_y[r] + to_center[r][1] * total[r]);
-    store(out->matrix(kAxis, 2), along_z[r] + to_center[r][2] * total[r]);
+    store(out->vector(axis), total[r]);
+    store(out->matrix(axis, 0), along_x[r] + to_center[r][0] * total[r]);
+    store(out->matrix(axis, 1), along_y[r] + to_center[r][1] * total[r]);
+    store(out->matrix(axis, 2), along_z[r] + to_center[r][2] * total[r]);
   }
 }
 
@@ -142,9 +141,9 @@ PHYSMAS_INLINE void gather_columns(const T* corner, const RowSteps& steps, const
       for (int b = 0; b < 3; ++b) w[r][a][b] = same_bytes<P>(at[r].weight[a][b]);
     }
   }
-  column_detail::gather_component<0, R>(corner, steps, w, to_center, out);
-  column_detail::gather_component<1, R>(corner, steps, w, to_center, out);
-  column_detail::gather_component<2, R>(corner, steps, w, to_center, out);
+  // Not unrolled: the kernels together have to fit into the cache of instructions.
+#pragma GCC unroll 1
+  for (int axis = 0; axis < 3; ++axis) column_detail::gather_component<R>(axis, corner, steps, w, to_center, out);
 }
 
 // Adds w {m, P + Q (node − centre node)} of all lanes of `count` registers of one column to the grid. What they bring
@@ -161,8 +160,10 @@ PHYSMAS_INLINE void scatter_columns(T* corner, const RowSteps& steps, int count,
   struct Plane {
     P mass, momentum[3], step_y[3], step_z[3];
   } planes[kColumnBatch];
-#pragma GCC unroll 3
+  // Not unrolled: the kernels together have to fit into the cache of instructions.
+#pragma GCC unroll 1
   for (int i = 0; i < 3; ++i) {
+    const T side = T(i - 1);
     for (int r = 0; r < count; ++r) {
       const auto number = [&](int k) { return load(in[r].number[k]); };
       const P w = load(in[r].weight[i]);
@@ -170,7 +171,7 @@ PHYSMAS_INLINE void scatter_columns(T* corner, const RowSteps& steps, int count,
 #pragma GCC unroll 3
       for (int a = 0; a < 3; ++a) {
         const P p = number(in->vector(a)), q = number(in->matrix(a, 0));
-        planes[r].momentum[a] = w * (i == 0 ? p - q : i == 1 ? p : p + q);
+        planes[r].momentum[a] = w * (p + side * q);
         planes[r].step_y[a] = w * number(in->matrix(a, 1));
         planes[r].step_z[a] = w * number(in->matrix(a, 2));
       }
