@@ -57,6 +57,11 @@ class GridExchange {
     for (int k = 4; k < 16; k += 4) in.set(k, V(T(0)));
     alignas(64) T record[W][16];
     lanes_to_records<T>(in.number, record);
+    alignas(64) T wxy[9][W];
+    for (int k = 0; k < 9; ++k) {
+      (V(in.weight[k / 3], stdx::vector_aligned) * V(in.weight[3 + k % 3], stdx::vector_aligned))
+          .copy_to(wxy[k], stdx::vector_aligned);
+    }
     const RowSteps step = step_;
     Row<T> sum[9];
     const auto clear = [&] {
@@ -71,9 +76,7 @@ class GridExchange {
         clear();
         corner = offset[l];
       }
-      T w[9];
-      for (int k = 0; k < 9; ++k) w[k] = in.weight[k][l];
-      scatter_particle(sum, later >> l & 1, w, w + 3, w + 6, record[l]);
+      scatter_particle(sum, later >> l & 1, wxy[0] + l, in.weight[6] + l, record[l]);
     }
     add_rows(sum, nodes + corner, step);
   }

@@ -71,21 +71,22 @@ constexpr NodeUnits<T> kNodeUnits;
 
 // Adds w (P + Q (node − centre node)) to the sums of nine rows. record: {m, P}, and the columns of Q, four numbers
 // each. later: nodes of the row before the particle's own, 0 or 1; without a branch, since no one could foretell it.
+// wxy: products of the weights along x and y, a register's lanes apart.
 template <class T>
-PHYSMAS_INLINE void scatter_particle(Row<T>* sum, int later, const T* wx, const T* wy, const T* wz, const T* record) {
+PHYSMAS_INLINE void scatter_particle(Row<T>* sum, int later, const T* wxy, const T* wz, const T* record) {
   using R = Row<T>;
+  constexpr int W = kLanes<T>;
   const T(*const unit)[16] = kNodeUnits<T>.number + later;
   const R first = R::load(unit[0]), last = R::load(unit[2]);
-  const R weight = wz[0] * first + (wz[1] * R::load(unit[1]) + wz[2] * last);
+  const R weight = wz[0] * first + (wz[W] * R::load(unit[1]) + wz[2 * W] * last);
   const R all = R::load(record);
   const R center = (all.template repeat<0>() + (last - first) * all.template repeat<3>()) * weight;
   const R x = all.template repeat<1>() * weight, y = all.template repeat<2>() * weight;
-  const R plane[3] = {wx[0] * (center - x), wx[1] * center, wx[2] * (center + x)};
+  const R plane[3] = {center - x, center, center + x};
   for (int i = 0; i < 3; ++i) {
-    const R slope = wx[i] * y;
-    sum[3 * i] = wy[0] * (plane[i] - slope) + sum[3 * i];
-    sum[3 * i + 1] = wy[1] * plane[i] + sum[3 * i + 1];
-    sum[3 * i + 2] = wy[2] * (plane[i] + slope) + sum[3 * i + 2];
+    sum[3 * i] = wxy[3 * i * W] * (plane[i] - y) + sum[3 * i];
+    sum[3 * i + 1] = wxy[(3 * i + 1) * W] * plane[i] + sum[3 * i + 1];
+    sum[3 * i + 2] = wxy[(3 * i + 2) * W] * (plane[i] + y) + sum[3 * i + 2];
   }
 }
 
