@@ -66,16 +66,26 @@ void BlockMap::connect(int threads) {
     thread_bounds.push_back(static_cast<int>(run_bounds.size()) - 1);
     begin = end;
   }
-  waits_for.resize(count);
-  for (int b = 0; b < count; ++b) {
-    const ParticleBlock& block = particle_blocks[b];
-    waits_for[b].clear();
-    for (int code = 0; code < 27; ++code) {
-      const int id = block.id + (code / 9 - 1) * id_stride(0) + (code / 3 % 3 - 1) * id_stride(1) + code % 3 - 1;
-      const int other = index_of_id_[id];
-      if (other < 0 || other >= count || particle_blocks[other].id != id) continue;
-      if (color_of(particle_blocks[other]) < color_of(block)) waits_for[b].push_back(other);
+  const int runs = static_cast<int>(run_bounds.size()) - 1;
+  std::vector<int> run_of(count);
+  for (int run = 0; run < runs; ++run) {
+    for (int k = run_bounds[run]; k < run_bounds[run + 1]; ++k) run_of[order[k]] = run;
+  }
+  waits_for.resize(runs);
+  for (int run = 0; run < runs; ++run) {
+    std::vector<int>& before = waits_for[run];
+    before.clear();
+    for (int k = run_bounds[run]; k < run_bounds[run + 1]; ++k) {
+      const ParticleBlock& block = particle_blocks[order[k]];
+      for (int code = 0; code < 27; ++code) {
+        const int id = block.id + (code / 9 - 1) * id_stride(0) + (code / 3 % 3 - 1) * id_stride(1) + code % 3 - 1;
+        const int other = index_of_id_[id];
+        if (other < 0 || other >= count || particle_blocks[other].id != id) continue;
+        if (color_of(particle_blocks[other]) < color_of(block)) before.push_back(run_of[other]);
+      }
     }
+    std::sort(before.begin(), before.end());
+    before.erase(std::unique(before.begin(), before.end()), before.end());
   }
   grid_blocks.clear();
   for (const ParticleBlock& block : particle_blocks) {

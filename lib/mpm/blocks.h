@@ -58,12 +58,12 @@ class BlockMap {
   std::vector<GridBlock> grid_blocks;          // ascending id
   // All particle blocks in runs along z, of which a block shares half of its nodes with the next; the runs in a range
   // for every thread, of about as many particles, or in the first one where there are too few to share; in a range by
-  // one of four colours and then by id. Runs of one colour share no node; a block that adds to its nodes after the
-  // neighbours of lower colours has them in waits_for.
+  // one of four colours and then by id. Runs of one colour share no node; neighbours of lower colours, which add to
+  // nodes first, are in waits_for.
   std::vector<int> order;                   // blocks
   std::vector<int> run_bounds;              // run r is order[run_bounds[r]] to order[run_bounds[r + 1] - 1]
   std::vector<int> thread_bounds;           // of the threads' runs
-  std::vector<std::vector<int>> waits_for;  // per particle block
+  std::vector<std::vector<int>> waits_for;  // per run: runs
 
  private:
   int table_;

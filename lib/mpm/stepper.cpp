@@ -46,7 +46,7 @@ class TypedStepper final : public Stepper {
   ParticleStore<T> store_;
   Grid<T> grid_;
   std::vector<BlockReport> reports_;              // per particle block
-  std::vector<std::atomic<std::uint32_t>> done_;  // per particle block: the last pass that it is through
+  std::vector<std::atomic<std::uint32_t>> done_;  // per run of blocks: the last pass that it is through
   std::uint32_t pass_ = 0;                        // counts the passes
   EnergyLedger ledger_;
 
@@ -68,7 +68,7 @@ template <class T>
 void TypedStepper<T>::prepare() {
   grid_.prepare();
   reports_.assign(store_.map.particle_blocks.size(), {});
-  done_ = std::vector<std::atomic<std::uint32_t>>(store_.map.particle_blocks.size());
+  done_ = std::vector<std::atomic<std::uint32_t>>(store_.map.waits_for.size());
 }
 
 // Needs no velocities: it happens between the grid update and the next gather.
@@ -103,16 +103,13 @@ void TypedStepper<T>::pass(double dt, StepReport& report) {
   ++pass_;
   const auto for_each_block = [&](const auto& work) {
     setup_.team->for_each(map.thread_bounds, [&](int run) {
-      for (int k = map.run_bounds[run]; k < map.run_bounds[run + 1]; ++k) {
-        const int b = map.order[k];
-        for (const int other : map.waits_for[b]) {
-          for (int round = 0; kScatter && done_[other].load(std::memory_order_acquire) != pass_; ++round) {
-            Team::pause(round);
-          }
+      for (const int other : map.waits_for[run]) {
+        for (int round = 0; kScatter && done_[other].load(std::memory_order_acquire) != pass_; ++round) {
+          Team::pause(round);
         }
-        work(b);
-        done_[b].store(pass_, std::memory_order_release);
       }
+      for (int k = map.run_bounds[run]; k < map.run_bounds[run + 1]; ++k) work(map.order[k]);
+      done_[run].store(pass_, std::memory_order_release);
     });
   };
   if (setup_.measure_steps) {

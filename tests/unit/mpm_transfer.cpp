@@ -192,7 +192,7 @@ TEST_CASE("mpm transfer: a particle that has left its column's cell is seen") {
   }
 }
 
-TEST_CASE("mpm blocks: every block is in the order once, after the neighbours that it waits for in its own range") {
+TEST_CASE("mpm blocks: every block is in the order once, after the neighbours that its run waits for in its own range") {
   BlockMap map(64);
   std::vector<int> ids;
   for (int x = 2; x < 9; ++x)
@@ -228,11 +228,12 @@ TEST_CASE("mpm blocks: every block is in the order once, after the neighbours th
           near = near && std::abs(p[axis] - map.particle_blocks[other].position[axis]) <= 1;
         }
         const auto waits = [&](int of, int on) {
-          const std::vector<int>& w = map.waits_for[of];
-          return std::find(w.begin(), w.end(), on) != w.end();
+          const std::vector<int>& w = map.waits_for[run_of(of)];
+          return std::find(w.begin(), w.end(), run_of(on)) != w.end();
         };
         const bool one_run = run_of(b) == run_of(other);
-        REQUIRE(waits(b, other) + waits(other, b) == (near && !one_run ? 1 : 0));
+        REQUIRE(waits(b, other) + waits(other, b) <= (one_run ? 0 : 1));
+        if (near && !one_run) REQUIRE(waits(b, other) + waits(other, b) == 1);
         if (waits(b, other) && range_of(b) == range_of(other)) CHECK(place[other] < place[b]);
         if (one_run && other < b) CHECK(place[other] < place[b]);
       }
