@@ -85,7 +85,7 @@ class BlockPass {
 // Parameters of the lanes of a group: the same in all lanes unless rows are mixed.
 template <class T>
 MaterialParameters<typename BlockPass<T>::V> BlockPass<T>::group_parameters(int group, int first) const {
-  const int common = store_.group_row[group];
+  const int common = store_.registers[group].row;
   if (common >= 0) return convert_parameters<V>(parameters_[common]);
   alignas(64) T lanes[kMaterialParameterCount][W];
   int row = 0;
@@ -107,7 +107,7 @@ MaterialParameters<typename BlockPass<T>::V> BlockPass<T>::group_parameters(int 
 template <class T>
 Mat3<typename BlockPass<T>::V> BlockPass<T>::update_stress(int group, int first, const MaterialParameters<V>& p,
                                                            const V& dt, Mat3<V>& F, V& strength) const {
-  const int common = store_.group_row[group];
+  const int common = store_.registers[group].row;
   if (common >= 0) return update_branch(setup_.branches[common], p, dt, F, strength);
   // Lanes of several rows: evaluate every branch that occurs, and let each lane keep its own.
   alignas(64) T branch_of[W];
@@ -188,7 +188,7 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
     for (int b = 0; b < 3; ++b) F[a][b] = number(store_.kDeformation + 3 * a + b);
   }
   const MaterialParameters<V> p =
-      kPlain ? convert_parameters<V>(parameters_[store_.group_row[group]]) : group_parameters(group, first);
+      kPlain ? convert_parameters<V>(parameters_[store_.registers[group].row]) : group_parameters(group, first);
   const V volume = number(store_.kVolume);
   const V mass = p.density * volume;
   V strength = kStrength && store_.has_strength ? V(&store_.strength[first], stdx::vector_aligned) : V(T(1));
@@ -202,7 +202,7 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
   }
 
   // Controls: the forced motion of the gathered substep, then blends and forces of the scattered one.
-  const bool controlled = !kPlain && store_.group_controlled[group] != 0;
+  const bool controlled = !kPlain && store_.registers[group].controlled;
   const auto controls_of = [&](const ControlTable& table) {
     std::uint16_t groups[W];
     for (int l = 0; l < W; ++l) {
@@ -295,7 +295,7 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
     run.force_free.set_weights(at);
     run.force_free.set(mass, mass * v + spin * at.to_center, spin);
   }
-  return column >= 0 ? lane_bits(strayed(at)) & store_.group_lanes[group] : 0;
+  return column >= 0 ? lane_bits(strayed(at)) & store_.registers[group].lanes : 0;
 }
 
 // Carries lanes that have left their column's cell to the grid, and takes them out of the numbers that go there with
@@ -330,8 +330,8 @@ BlockReport BlockPass<T>::run(int index, double dt) {
   const GridExchange<T> exchange(grid_.layout);
   Run run(index, block, setup_.domain, dt);
   const auto advance_any = [&](int group, int column, GridNumbers<T>& numbers) PHYSMAS_LAMBDA_INLINE {
-    const int row = store_.group_row[group];
-    const bool controlled = store_.group_controlled[group] && (before_.active || after_.active);
+    const int row = store_.registers[group].row;
+    const bool controlled = store_.registers[group].controlled && (before_.active || after_.active);
     if (kGather && kScatter && !kMeasure && row >= 0 && !controlled) {
       LaneBits strays = 0;
       with_branch(setup_.branches[row], [&](auto branch) PHYSMAS_LAMBDA_INLINE {
@@ -345,15 +345,16 @@ BlockReport BlockPass<T>::run(int index, double dt) {
   const int begin = block.begin / W, end = begin + block.slots / W;
   // Loose registers come first: what leaves a column finds its place behind the pass.
   for (int group = begin, count = 1; group < end; group += count, count = 1) {
-    const int column = store_.group_column[group];
-    while (column >= 0 && count < kColumnBatch && group + count < end && store_.group_column[group + count] == column) {
+    const int column = store_.registers[group].column;
+    while (column >= 0 && count < kColumnBatch && group + count < end &&
+           store_.registers[group + count].column == column) {
       ++count;
     }
     LaneBits lanes[kColumnBatch];
     const T* x[kColumnBatch];
     for (int r = 0; r < count; ++r) {
       store_.prefetch(group + r + kPrefetch);
-      lanes[r] = store_.group_lanes[group + r];
+      lanes[r] = store_.registers[group + r].lanes;
       x[r] = store_.numbers(group + r);
     }
     if (column < 0) {

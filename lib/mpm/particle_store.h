@@ -45,25 +45,30 @@ class ParticleStore {
     T& operator[](size_t slot) const { return first[slot / W * step + slot % W]; }
   };
   // Empty slots hold a particle at rest of no volume.
-  Channel x[3], F[9], volume;                  // [cells], row-major, rest volume [m^3]
-  Channel strength;                            // [Pa], when some row is plasticine
-  Channel total_F[9];                          // row-major, when tracked
-  Buffer<int> particle;                        // the callers' index, -1: empty slot
-  Channel v[3], C[9];                          // m/s, 1/s; valid after load and after the last pass of an interval
-  std::vector<int> group_row;                  // row of all lanes of a group of W slots, -1 when mixed
-  std::vector<LaneBits> group_lanes;           // which of its lanes hold particles
-  std::vector<int> group_column;               // the block's cell that is the column's lowest, -1: not a column
-  std::vector<std::uint8_t> group_controlled;  // whether any lane of the group is in a control group
+  Channel x[3], F[9], volume;  // [cells], row-major, rest volume [m^3]
+  Channel strength;            // [Pa], when some row is plasticine
+  Channel total_F[9];          // row-major, when tracked
+  Buffer<int> particle;        // the callers' index, -1: empty slot
+  Channel v[3], C[9];          // m/s, 1/s; valid after load and after the last pass of an interval
+  // What the lanes of a register of slots have in common.
+  struct Register {
+    int column = -1;          // the block's cell that is the column's lowest, -1: not a column
+    int row = -1;             // of all lanes, -1 when mixed
+    LaneBits lanes = 0;       // those that hold particles
+    bool controlled = false;  // whether any of them is in a control group
+  };
+  std::vector<Register> registers;
   bool has_strength = false;
 
   int slots() const { return slots_; }
   // The numbers of a register of slots, W per channel: x, F, volume, then the optional ones.
   static constexpr int kDeformation = 3, kVolume = 12;
   PHYSMAS_INLINE T* numbers(int group) { return numbers_.data() + static_cast<size_t>(group) * channels_ * W; }
-  // Brings them into the cache.
+  // Brings them into the nearest cache only, since others are full of nodes, for reading or writing. No register need
+  // be there.
   PHYSMAS_INLINE void prefetch(int group) const {
     const T* at = numbers_.data() + static_cast<size_t>(group) * channels_ * W;
-    for (int c = 0; c < channels_; ++c) __builtin_prefetch(at + c * W, 1);
+    for (int c = 0; c < channels_; ++c) __builtin_prefetch(at + c * W, 0, 0);
     __builtin_prefetch(particle.data() + static_cast<size_t>(group) * W, 1);
   }
   size_t bytes() const;
@@ -72,7 +77,7 @@ class ParticleStore {
   void place();
   // Where an empty slot's particle rests [cells]: inside its cell of a column, so that it does not stray.
   T rest(int slot, int axis) const {
-    const int column = group_column[slot / W];
+    const int column = registers[slot / W].column;
     if (column < 0) return T(2);
     const int cell = column + slot % W / kColumnSlots;
     return T(1 + (axis == 0 ? cell / (kBlock * kBlock) : axis == 1 ? cell / kBlock % kBlock : cell % kBlock));
@@ -91,6 +96,8 @@ class ParticleStore {
     if (has_strength) function(strength, T(1));
     for (int k = 0; setup_.track_total_F && k < 9; ++k) function(total_F[k], T(k % 4 == 0));
   }
+
+  static constexpr int kPrefetchSort = 32;  // registers
 
   const StepperSetup& setup_;
   double dx_, safe_cells_;
@@ -218,27 +225,24 @@ void ParticleStore<T>::place() {
     block.begin = slots_;
     slots_ += block.slots;
   }
-  group_row.resize(slots_ / W);
-  group_controlled.resize(slots_ / W);
-  group_lanes.resize(slots_ / W);
-  group_column.resize(slots_ / W);
-  setup_.team->for_each(blocks, [&](int b) {
-    std::copy(layouts_[b].column.begin(), layouts_[b].column.end(),
-              group_column.begin() + map.particle_blocks[b].begin / W);
-  });
+  registers.resize(slots_ / W);
+  for (int b = 0; b < blocks; ++b) {
+    Register* at = &registers[map.particle_blocks[b].begin / W];
+    for (const int column : layouts_[b].column) (at++)->column = column;
+  }
   map.connect(setup_.team->threads());
 }
 
 template <class T>
 void ParticleStore<T>::leave_column(int block, int group, LaneBits lanes) {
   ParticleBlock& home = map.particle_blocks[block];
-  const LaneBits all = kAllLanes<T>, held = group_lanes[group];
-  const int row = group_row[group], first = home.begin / W;
+  const LaneBits all = kAllLanes<T>, held = registers[group].lanes;
+  const int row = registers[group].row, first = home.begin / W;
   int room = 0;
-  for (int g = first; g < first + home.loose; ++g) room += __builtin_popcount(all & ~group_lanes[g]);
+  for (int g = first; g < first + home.loose; ++g) room += __builtin_popcount(all & ~registers[g].lanes);
   home.strayed += __builtin_popcount(lanes);
   if (room < __builtin_popcount(lanes)) {
-    group_column[group] = -1;
+    registers[group].column = -1;
     home.strayed += __builtin_popcount(held & ~lanes);
     return;
   }
@@ -246,12 +250,12 @@ void ParticleStore<T>::leave_column(int block, int group, LaneBits lanes) {
     // Among its own kind if possible.
     int to = -1;
     for (int g = first; g < first + home.loose; ++g) {
-      if (group_lanes[g] == all) continue;
-      const bool own_kind = group_lanes[g] == 0 || group_row[g] == row;
+      if (registers[g].lanes == all) continue;
+      const bool own_kind = registers[g].lanes == 0 || registers[g].row == row;
       if (to < 0 || own_kind) to = g;
       if (own_kind) break;
     }
-    const int lane = __builtin_ctz(left), free = __builtin_ctz(~group_lanes[to]);
+    const int lane = __builtin_ctz(left), free = __builtin_ctz(~registers[to].lanes);
     for (int c = 0; c < channels_; ++c) {
       numbers(to)[c * W + free] = numbers(group)[c * W + lane];
       numbers(group)[c * W + lane] = empty_[c * W + lane];
@@ -260,11 +264,11 @@ void ParticleStore<T>::leave_column(int block, int group, LaneBits lanes) {
     for (int a = 0; a < 3; ++a) x[a][slot] = rest(slot, a);
     particle[to * W + free] = particle[slot];
     particle[slot] = -1;
-    group_row[to] = group_lanes[to] == 0 || group_row[to] == row ? row : -1;
-    group_lanes[to] |= LaneBits(1) << free;
-    group_controlled[to] |= group_controlled[group];
+    registers[to].row = registers[to].lanes == 0 || registers[to].row == row ? row : -1;
+    registers[to].lanes |= LaneBits(1) << free;
+    registers[to].controlled |= registers[group].controlled;
   }
-  group_lanes[group] &= ~lanes;
+  registers[group].lanes &= ~lanes;
 }
 
 template <class T>
@@ -279,9 +283,9 @@ void ParticleStore<T>::describe(int group, const Arrival* const* from, const int
     lanes |= LaneBits(1) << l;
     if (has_controls_) controlled = controlled || setup_.control_group[held[l]] != 0;
   }
-  group_row[group] = mixed ? -1 : row;
-  group_lanes[group] = lanes;
-  group_controlled[group] = controlled;
+  registers[group].row = mixed ? -1 : row;
+  registers[group].lanes = lanes;
+  registers[group].controlled = controlled;
 }
 
 // Calls function(group, from) for all registers of block b, from[l] the arrival that lane l will hold, or null.
@@ -322,7 +326,7 @@ void ParticleStore<T>::sort() {
       code.copy_to(codes, stdx::vector_aligned);
       for (int l = 0; l < W; ++l) {
         departures_[group * W + l] = {static_cast<std::uint8_t>(cells[l]), static_cast<std::uint8_t>(codes[l])};
-        leaving[b][static_cast<int>(codes[l])] += group_lanes[group] >> l & 1;
+        leaving[b][static_cast<int>(codes[l])] += registers[group].lanes >> l & 1;
       }
     }
   });
@@ -363,7 +367,7 @@ void ParticleStore<T>::sort() {
     for (int s = old[b].begin; s < old[b].begin + old[b].slots; ++s) {
       if (particle[s] < 0) continue;
       const Departure& d = departures_[s];
-      const int common = group_row[s / W];
+      const int common = registers[s / W].row;
       arrivals_[leaving[b][d.code]++] = {s, common >= 0 ? common : setup_.row[particle[s]], d.cell, d.code};
     }
   });
@@ -375,6 +379,8 @@ void ParticleStore<T>::sort() {
   const size_t step = static_cast<size_t>(channels_) * W;
   setup_.team->for_each(now, [&](int b) {
     for_each_register(b, [&](int group, const Arrival* const* from) {
+      // What comes there was not far away before.
+      prefetch(group + kPrefetchSort);
       const T* numbers_of[W];
       for (int l = 0; l < W; ++l) {
         const unsigned slot = from[l] ? from[l]->source : 0;
