@@ -49,8 +49,9 @@ class Grid {
 
  private:
   static constexpr int kRow = 4 * kBlock;  // numbers of a row of a block
-  // Numbers that velocities are moved by in their memory, half a page and a line of cache: a processor that compares the
-  // last twelve bits of addresses first would take a read of a node's velocity for one of the momentum just written.
+  // Numbers that velocities are moved by in their memory, half a page and a line of cache: a processor that compares
+  // the last twelve bits of addresses first would take a read of a node's velocity for one of the momentum just
+  // written.
   static constexpr size_t kApart = (2048 + 64) / sizeof(T);
 
   size_t offset(const int* block) const {
@@ -167,7 +168,8 @@ double Grid<T>::update_block(int index, double dt) {
     largest = Nodes{};
     for (const Nodes& u : nodes) see(u);
   }
-  for_each_row(block, [&](int r, size_t at) { std::memcpy(velocity_.data() + kApart + at, &nodes[r], sizeof(nodes[r])); });
+  for_each_row(block,
+               [&](int r, size_t at) { std::memcpy(velocity_.data() + kApart + at, &nodes[r], sizeof(nodes[r])); });
   if constexpr (kMeasure) {
     energy_[index] = {};
     for (int i = 0; i < kBlockNodes; ++i) measure_node(arrived + 4 * i, free + 4 * i, numbers + 4 * i, energy_[index]);
