@@ -146,6 +146,7 @@ struct BlockPass<T>::Run {
   const T move, step, gradient;  // cells per m/s, s, 1/cells of a first moment
   const Vec3d origin;
   bool at_edge = false;  // particles are held in the safe interior
+  bool leaving = false;  // some particles have left their column's cell
   T low[3], high[3];
   BlockReport report;
   V kinetic = V(T(0)), speed_squared = V(T(0));
@@ -343,7 +344,6 @@ BlockReport BlockPass<T>::run(int index, double dt) {
   };
 
   const int begin = block.begin / W, end = begin + block.slots / W;
-  // Loose registers come first: what leaves a column finds its place behind the pass.
   for (int group = begin, count = 1; group < end; group += count, count = 1) {
     const int column = store_.registers[group].column;
     while (column >= 0 && count < kColumnBatch && group + count < end &&
@@ -372,12 +372,14 @@ BlockReport BlockPass<T>::run(int index, double dt) {
       if (strays != 0) {
         scatter_strays(exchange, grid_.momentum(block), x[r], column, strays, run.numbers[r]);
         if (kMeasure) scatter_strays(exchange, grid_.force_free(block), x[r], column, strays, run.force_free);
-        store_.leave_column(index, group + r, strays);
+        store_.registers[group + r].leaving = strays;
+        run.leaving = true;
       }
       if (kMeasure) exchange.scatter_columns(grid_.force_free(block), column, 1, &run.force_free);
     }
     if (kScatter) exchange.scatter_columns(grid_.momentum(block), column, count, run.numbers);
   }
+  if (run.leaving) store_.leave_columns(index);
   BlockReport report = run.report;
   report.strays = block.strayed;
   report.kinetic = 0.5 * double(stdx::reduce(run.kinetic));

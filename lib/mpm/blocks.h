@@ -24,7 +24,7 @@ struct ParticleBlock {
   int begin = 0;         // first slot, a multiple of the lane count
   int slots = 0;         // slots that belong to it, a multiple of the lane count
   int loose = 0;         // registers at its beginning whose particles go to the grid one by one
-  int strayed = 0;       // particles that have left their columns since the last sort
+  int strayed = 0;       // by how many particles its columns have become poorer since the last sort
   // Nodes from the block's first, inclusive, that its particles can reach until the next sort.
   std::int8_t low[3] = {}, high[3] = {};
 };

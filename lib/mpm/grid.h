@@ -148,6 +148,13 @@ double Grid<T>::update_block(int index, double dt) {
     const Nodes size = u < 0 ? -u : u;
     largest = size > largest ? size : largest;
   };
+  const size_t ahead = static_cast<size_t>(index) + 2;
+  if (ahead < map_.grid_blocks.size()) {
+    for_each_row(map_.grid_blocks[ahead], [&](int, size_t at) PHYSMAS_LAMBDA_INLINE {
+      __builtin_prefetch(momentum_.data() + at, 1);
+      __builtin_prefetch(velocity_.data() + kApart + at, 1);
+    });
+  }
   for_each_row(block, [&](int r, size_t at) PHYSMAS_LAMBDA_INLINE {
     Nodes u;
     std::memcpy(&u, momentum_.data() + at, sizeof(u));

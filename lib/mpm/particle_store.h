@@ -3,14 +3,15 @@
 // Slots are sorted by block. A block ends with registers that are columns: four particles of one row in each of some
 // cells that are neighbours along z (column_transfer.h), where a cell has that many. What is left lies before them by
 // row, so that nearly all lanes of a register share a branch, and then by cell. Between sorts a particle that leaves
-// its cell of a column moves there too. Every block begins with a new register. Positions are in cells from the block's
-// first node, which makes float positions eight to sixteen times finer than absolute ones.
+// its cell of a column moves to a free lane of another column or of the loose registers. Every block begins with a new
+// register. Positions are in cells from the block's first node, which makes float positions eight to sixteen times
+// finer than absolute ones.
 #ifndef PHYSMAS_MPM_PARTICLE_STORE_H
 #define PHYSMAS_MPM_PARTICLE_STORE_H
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "mpm/block_layout.h"
@@ -33,9 +34,9 @@ class ParticleStore {
   void store(State& state) const;
   // Puts every particle into the block that it is in now. Velocities and affine states are lost.
   void sort();
-  // Takes lanes that have left their cells out of a column of block `block`. Where the block has no room for them, the
-  // register no longer is a column.
-  void leave_column(int block, int group, LaneBits lanes);
+  // Finds other places for the lanes of a block's columns that are `leaving`: in a column of the cell that they are in
+  // now, or among the loose registers. Where the block has no room for them, the register no longer is a column.
+  void leave_columns(int block);
 
   BlockMap map;
   // One number per slot; those of a register of slots are contiguous.
@@ -52,10 +53,11 @@ class ParticleStore {
   Channel v[3], C[9];          // m/s, 1/s; valid after load and after the last pass of an interval
   // What the lanes of a register of slots have in common.
   struct Register {
-    int column = -1;          // the block's cell that is the column's lowest, -1: not a column
     int row = -1;             // of all lanes, -1 when mixed
     LaneBits lanes = 0;       // those that hold particles
-    bool controlled = false;  // whether any of them is in a control group
+    LaneBits leaving = 0;     // of a column: those that are not in their cell any more
+    std::int8_t column = -1;  // the block's cell that is the column's lowest, -1: not a column
+    bool controlled = false;  // whether any particle is in a control group
   };
   std::vector<Register> registers;
   bool has_strength = false;
@@ -74,6 +76,13 @@ class ParticleStore {
   size_t bytes() const;
 
  private:
+  struct Slot {
+    int group = -1, lane = 0;  // -1: none
+  };
+  Slot column_place(int begin, int end, int group, int lane);
+  Slot loose_particle(int begin, int end, int group, int lane);
+  Slot loose_place(int begin, int end, int row) const;
+  void move(int group, int lane, const Slot& to);
   void place();
   // Where an empty slot's particle rests [cells]: inside its cell of a column, so that it does not stray.
   T rest(int slot, int axis) const {
@@ -228,47 +237,9 @@ void ParticleStore<T>::place() {
   registers.resize(slots_ / W);
   for (int b = 0; b < blocks; ++b) {
     Register* at = &registers[map.particle_blocks[b].begin / W];
-    for (const int column : layouts_[b].column) (at++)->column = column;
+    for (const int column : layouts_[b].column) (at++)->column = static_cast<std::int8_t>(column);
   }
   map.connect(setup_.team->threads());
-}
-
-template <class T>
-void ParticleStore<T>::leave_column(int block, int group, LaneBits lanes) {
-  ParticleBlock& home = map.particle_blocks[block];
-  const LaneBits all = kAllLanes<T>, held = registers[group].lanes;
-  const int row = registers[group].row, first = home.begin / W;
-  int room = 0;
-  for (int g = first; g < first + home.loose; ++g) room += __builtin_popcount(all & ~registers[g].lanes);
-  home.strayed += __builtin_popcount(lanes);
-  if (room < __builtin_popcount(lanes)) {
-    registers[group].column = -1;
-    home.strayed += __builtin_popcount(held & ~lanes);
-    return;
-  }
-  for (LaneBits left = lanes; left != 0; left &= left - 1) {
-    // Among its own kind if possible.
-    int to = -1;
-    for (int g = first; g < first + home.loose; ++g) {
-      if (registers[g].lanes == all) continue;
-      const bool own_kind = registers[g].lanes == 0 || registers[g].row == row;
-      if (to < 0 || own_kind) to = g;
-      if (own_kind) break;
-    }
-    const int lane = __builtin_ctz(left), free = __builtin_ctz(~registers[to].lanes);
-    for (int c = 0; c < channels_; ++c) {
-      numbers(to)[c * W + free] = numbers(group)[c * W + lane];
-      numbers(group)[c * W + lane] = empty_[c * W + lane];
-    }
-    const int slot = group * W + lane;
-    for (int a = 0; a < 3; ++a) x[a][slot] = rest(slot, a);
-    particle[to * W + free] = particle[slot];
-    particle[slot] = -1;
-    registers[to].row = registers[to].lanes == 0 || registers[to].row == row ? row : -1;
-    registers[to].lanes |= LaneBits(1) << free;
-    registers[to].controlled |= registers[group].controlled;
-  }
-  registers[group].lanes &= ~lanes;
 }
 
 template <class T>
@@ -283,9 +254,11 @@ void ParticleStore<T>::describe(int group, const Arrival* const* from, const int
     lanes |= LaneBits(1) << l;
     if (has_controls_) controlled = controlled || setup_.control_group[held[l]] != 0;
   }
-  registers[group].row = mixed ? -1 : row;
-  registers[group].lanes = lanes;
-  registers[group].controlled = controlled;
+  Register& home = registers[group];
+  home.row = mixed ? -1 : row;
+  home.lanes = lanes;
+  home.leaving = 0;
+  home.controlled = controlled;
 }
 
 // Calls function(group, from) for all registers of block b, from[l] the arrival that lane l will hold, or null.
@@ -300,114 +273,6 @@ void ParticleStore<T>::for_each_register(int b, const Function& function) const 
     for (int l = 0; l < W; ++l) from[l] = index[l] >= 0 ? first + index[l] : nullptr;
     function(group, from);
   }
-}
-
-template <class T>
-void ParticleStore<T>::sort() {
-  const std::vector<ParticleBlock> old = map.particle_blocks;
-  const int blocks = static_cast<int>(old.size());
-  // Particles drift by less than a cell between sorts, so each goes to one of 27 blocks.
-  departures_.resize(slots_);
-  std::vector<std::array<int, 27>> leaving(blocks);
-  setup_.team->for_each(blocks, [&](int b) {
-    leaving[b] = {};
-    for (int group = old[b].begin / W; group < (old[b].begin + old[b].slots) / W; ++group) {
-      using V = Lanes<T>;
-      V cell(T(0)), code(T(0));
-      for (int axis = 0; axis < 3; ++axis) {
-        const V x_here(numbers(group) + axis * W, stdx::vector_aligned);
-        const V base = at_most(at_least(round_down(x_here - T(0.5)), V(T(-1))), V(T(kBlock)));
-        const V block = select(base < V(T(0)), V(T(0)), select(base < V(T(kBlock)), V(T(1)), V(T(2))));
-        cell = cell * T(kBlock) + (base - T(kBlock) * (block - T(1)));
-        code = code * T(3) + block;
-      }
-      alignas(64) T cells[W], codes[W];
-      cell.copy_to(cells, stdx::vector_aligned);
-      code.copy_to(codes, stdx::vector_aligned);
-      for (int l = 0; l < W; ++l) {
-        departures_[group * W + l] = {static_cast<std::uint8_t>(cells[l]), static_cast<std::uint8_t>(codes[l])};
-        leaving[b][static_cast<int>(codes[l])] += registers[group].lanes >> l & 1;
-      }
-    }
-  });
-  const auto target = [&](int b, int code) {
-    return old[b].id + (code / 9 - 1) * map.id_stride(0) + (code / 3 % 3 - 1) * map.id_stride(1) + code % 3 - 1;
-  };
-  std::vector<int> ids;
-  for (int b = 0; b < blocks; ++b) {
-    for (int code = 0; code < 27; ++code) {
-      if (leaving[b][code] > 0) ids.push_back(target(b, code));
-    }
-  }
-  map.start(std::move(ids));
-  for (int b = 0; b < blocks; ++b) {
-    for (int code = 0; code < 27; ++code) {
-      if (leaving[b][code] > 0) {
-        map.particle_blocks[map.index_of(target(b, code))].count += leaving[b][code];
-      }
-    }
-  }
-  int first = 0;
-  std::vector<int> next;
-  for (ParticleBlock& block : map.particle_blocks) {
-    next.push_back(block.first = first);
-    first += block.count;
-  }
-  for (int b = 0; b < blocks; ++b) {
-    for (int code = 0; code < 27; ++code) {
-      const int count = leaving[b][code];
-      if (count == 0) continue;
-      int& at = next[map.index_of(target(b, code))];
-      leaving[b][code] = at;
-      at += count;
-    }
-  }
-  arrivals_.resize(setup_.row.size());
-  setup_.team->for_each(blocks, [&](int b) {
-    for (int s = old[b].begin; s < old[b].begin + old[b].slots; ++s) {
-      if (particle[s] < 0) continue;
-      const Departure& d = departures_[s];
-      const int common = registers[s / W].row;
-      arrivals_[leaving[b][d.code]++] = {s, common >= 0 ? common : setup_.row[particle[s]], d.cell, d.code};
-    }
-  });
-  place();
-
-  spare_particle_.resize(slots_);
-  other_.resize(static_cast<size_t>(slots_) * channels_);
-  const int now = static_cast<int>(map.particle_blocks.size());
-  const size_t step = static_cast<size_t>(channels_) * W;
-  setup_.team->for_each(now, [&](int b) {
-    for_each_register(b, [&](int group, const Arrival* const* from) {
-      // What comes there was not far away before.
-      prefetch(group + kPrefetchSort);
-      const T* numbers_of[W];
-      for (int l = 0; l < W; ++l) {
-        const unsigned slot = from[l] ? from[l]->source : 0;
-        numbers_of[l] = from[l] ? numbers_.data() + slot / W * step + slot % W : empty_.data() + l;
-        spare_particle_[group * W + l] = from[l] ? particle[slot] : -1;
-      }
-      T* const to = other_.data() + group * step;
-      for (int c = 0; c < channels_; ++c) {
-        for (int l = 0; l < W; ++l) to[c * W + l] = numbers_of[l][c * W];
-      }
-      for (int l = 0; l < W; ++l) {
-        const int code = from[l] ? from[l]->shift : Arrival::kStay;
-        if (from[l] && code == Arrival::kStay) continue;
-        // From the old block's origin to the new one's: a whole number of cells.
-        const int moved[3] = {code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1};
-        for (int axis = 0; axis < 3; ++axis) {
-          T& x_here = to[axis * W + l];
-          x_here = from[l] ? x_here - T(kBlock * moved[axis]) : rest(group * W + l, axis);
-        }
-      }
-      describe(group, from, &spare_particle_[group * W]);
-    });
-  });
-  particle.swap(spare_particle_);
-  numbers_.swap(other_);
-  other_.resize(static_cast<size_t>(slots_) * channels_);
-  bind();
 }
 
 // Channels lie one after the other in each register's numbers.
@@ -429,5 +294,8 @@ size_t ParticleStore<T>::bytes() const {
 }
 
 }  // namespace physmas::mpm
+
+#include "mpm/column_moves.h"
+#include "mpm/particle_sort.h"
 
 #endif

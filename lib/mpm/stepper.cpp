@@ -50,7 +50,7 @@ class TypedStepper final : public Stepper {
   std::uint32_t pass_ = 0;                        // counts the passes
   EnergyLedger ledger_;
 
-  long long strays_ = 0;         // particles that were not in their column's cell, summed over substeps since the sort
+  long long strays_ = 0;         // particles that columns have lost since the sort, summed over substeps
   double drift_ = 0;             // cells since the last sort, at most
   double next_drift_ = 0;        // cells in the coming pass, at most
   double kinetic_ = 0;           // J, of the last gathered substep
