@@ -51,6 +51,8 @@ class BlockMap {
   void start(std::vector<int> ids);
   // Index of the particle block with this id, which must be one of the set.
   int index_of(int id) const { return index_of_id_[id]; }
+  // Whether several threads have particles, after connect().
+  bool shared() const { return thread_bounds[1] != thread_bounds.back(); }
   // Once every particle block knows its reach: which grid blocks there are, and an order for so many threads.
   void connect(int threads);
 

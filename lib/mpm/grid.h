@@ -189,12 +189,19 @@ double Grid<T>::update_block(int index, double dt) {
 template <class T>
 double Grid<T>::update(double dt, GridEnergy& energy) {
   const int count = static_cast<int>(map_.grid_blocks.size());
-  constexpr int kChunk = 8;  // a block alone is less than a microsecond
-  setup_.team->for_each((count + kChunk - 1) / kChunk, [&](int chunk) {
-    for (int b = chunk * kChunk; b < std::min(count, (chunk + 1) * kChunk); ++b) {
+  const auto update_range = [&](int begin, int end) {
+    for (int b = begin; b < end; ++b) {
       speed_[b] = setup_.measure_steps ? update_block<true>(b, dt) : update_block<false>(b, dt);
     }
-  });
+  };
+  constexpr int kChunk = 8;  // a block alone is less than a microsecond
+  const int chunks = (count + kChunk - 1) / kChunk;
+  // Where one thread has all particles, waking another takes longer than the grid.
+  const int threads = map_.shared() ? setup_.team->threads() : 1;
+  std::vector<int> bounds = Team::even_ranges(chunks, threads);
+  bounds.resize(setup_.team->threads() + 1, chunks);
+  setup_.team->for_each(bounds,
+                        [&](int chunk) { update_range(chunk * kChunk, std::min(count, (chunk + 1) * kChunk)); });
   if (setup_.measure_steps) {
     for (const GridEnergy& e : energy_) energy.add(e);
   }

@@ -145,8 +145,8 @@ Result run(const Problem& problem, const Timing& timing, const Options& options,
   check_problem(problem, timing);
   const Stopwatch total;
   Result result;
-  // Fewer than some hundred particles per thread are not worth waking a thread for.
-  constexpr int kParticlesPerThread = 250;
+  // With fewer particles threads wait for one another for longer than they save.
+  constexpr int kParticlesPerThread = 2000;
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   result.threads = std::max(1, std::min(options.threads > 0 ? options.threads : cores,
                                         static_cast<int>(problem.particles.size()) / kParticlesPerThread));
