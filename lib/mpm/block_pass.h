@@ -67,6 +67,12 @@ class BlockPass {
   static_assert(W == Row<T>::kPart);
 
   struct Run;
+  struct LaneState;
+  LaneControls<T> controls_of(const Run& run, int group, const ControlTable& table) const;
+  void move(Run& run, int group, bool forced, const ForcedMotion<V>& motion, LaneState& s) const;
+  template <bool kMeasure>
+  LaneBits set_scattered(Run& run, int group, int column, const LaneState& s, const Mat3<V>& tau,
+                         GridNumbers<T>& numbers) const;
   template <int kKnown, bool kGather, bool kScatter, bool kMeasure>
   LaneBits advance(Run& run, int group, int column, GridNumbers<T>& numbers);
   static void scatter_strays(const GridExchange<T>& exchange, T* nodes, const T* x, int column, LaneBits lanes,
@@ -170,6 +176,73 @@ struct BlockPass<T>::Run {
   }
 };
 
+// The particles of a register during a pass.
+template <class T>
+struct BlockPass<T>::LaneState {
+  Vec3<V> x, v;
+  Mat3<V> F, C;
+  V volume, mass, strength;
+};
+
+template <class T>
+PHYSMAS_INLINE LaneControls<T> BlockPass<T>::controls_of(const Run& run, int group, const ControlTable& table) const {
+  std::uint16_t groups[W];
+  for (int l = 0; l < W; ++l) {
+    const int i = store_.particle[group * W + l];
+    groups[l] = i >= 0 ? setup_.control_group[i] : 0;
+  }
+  return load_controls<T>(table, groups, run.origin, run.dx);
+}
+
+// Moves and deforms a register by a substep. forced: with `motion` on top of what was gathered.
+template <class T>
+PHYSMAS_INLINE void BlockPass<T>::move(Run& run, int group, bool forced, const ForcedMotion<V>& motion,
+                                       LaneState& s) const {
+  const V squared = dot(s.v, s.v);
+  run.kinetic += s.mass * squared;
+  run.speed_squared = at_least(squared, run.speed_squared);
+  for (int a = 0; a < 3; ++a) s.x[a] += run.move * s.v[a];
+  if (forced) {
+    for (int a = 0; a < 3; ++a) s.x[a] += run.move * motion.increment[a];
+    const Vec3<V> whole = s.v + motion.increment;
+    run.speed_squared = at_least(dot(whole, whole), run.speed_squared);
+  }
+  if (run.at_edge) {
+    const Vec3<V> moved = s.x;
+    for (int a = 0; a < 3; ++a) s.x[a] = at_most(at_least(s.x[a], V(run.low[a])), V(run.high[a]));
+    const auto held = moved.x != s.x.x || moved.y != s.x.y || moved.z != s.x.z;
+    run.report.clamped += stdx::popcount(held && s.volume > V(T(0)));
+  }
+  const Mat3<V> gradient = forced ? s.C + motion.increment_gradient : s.C;
+  s.F = s.F + V(run.step) * (gradient * s.F);
+  if (setup_.track_total_F) {
+    Mat3<V> total;
+    for (int k = 0; k < 9; ++k) total[k / 3][k % 3] = V(&store_.total_F[k][group * W], stdx::vector_aligned);
+    total = total + V(run.step) * (gradient * total);
+    for (int k = 0; k < 9; ++k) total[k / 3][k % 3].copy_to(&store_.total_F[k][group * W], stdx::vector_aligned);
+  }
+}
+
+// What goes to the grid: momenta, MLS forces (Hu et al. 2018) and weights. Returns the lanes that are not in their cell
+// of the column any more.
+template <class T>
+template <bool kMeasure>
+PHYSMAS_INLINE LaneBits BlockPass<T>::set_scattered(Run& run, int group, int column, const LaneState& s,
+                                                    const Mat3<V>& tau, GridNumbers<T>& numbers) const {
+  const Place<V> at = place_of(s.x, column >= 0 ? GridExchange<T>::column_base(column) : base_of(s.x));
+  numbers.set_weights(at);
+  // Per cell of offset: m C dx − dt V⁰ (4/dx) τ.
+  const V inertia = s.mass * T(run.dx), force = -(run.step * run.gradient) * s.volume;
+  const Mat3<V> Q = inertia * s.C + force * tau;
+  numbers.set(s.mass, s.mass * s.v + Q * at.to_center, Q);
+  if (kMeasure) {
+    const Mat3<V> spin = inertia * s.C;
+    run.force_free.set_weights(at);
+    run.force_free.set(s.mass, s.mass * s.v + spin * at.to_center, spin);
+  }
+  return column >= 0 ? lane_bits(strayed(at)) & store_.registers[group].lanes : 0;
+}
+
 // One register of particles, from `numbers` and back to them. column: its column's cell, or -1. kKnown: its branch,
 // where all its particles are of one and nothing but the material acts on them, so that numbers stay in registers; else
 // -1. Returns the lanes that are not in their cell of the column any more; their numbers are as if they were.
@@ -182,77 +255,47 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
   T* const state = store_.numbers(group);
   const auto number = [&](int channel) { return V(state + channel * W, stdx::vector_aligned); };
   const auto put = [&](int channel, const V& lanes) { lanes.copy_to(state + channel * W, stdx::vector_aligned); };
-  Vec3<V> x, v;
-  Mat3<V> F, C;
+  LaneState s;
   for (int a = 0; a < 3; ++a) {
-    x[a] = number(a);
-    for (int b = 0; b < 3; ++b) F[a][b] = number(store_.kDeformation + 3 * a + b);
+    s.x[a] = number(a);
+    for (int b = 0; b < 3; ++b) s.F[a][b] = number(store_.kDeformation + 3 * a + b);
   }
   const MaterialParameters<V> p =
       kPlain ? convert_parameters<V>(parameters_[store_.registers[group].row]) : group_parameters(group, first);
-  const V volume = number(store_.kVolume);
-  const V mass = p.density * volume;
-  V strength = kStrength && store_.has_strength ? V(&store_.strength[first], stdx::vector_aligned) : V(T(1));
-
+  s.volume = number(store_.kVolume);
+  s.mass = p.density * s.volume;
+  s.strength = kStrength && store_.has_strength ? V(&store_.strength[first], stdx::vector_aligned) : V(T(1));
   for (int a = 0; a < 3; ++a) {
-    v[a] = kGather ? numbers.get(numbers.vector(a)) : V(&store_.v[a][first], stdx::vector_aligned);
+    s.v[a] = kGather ? numbers.get(numbers.vector(a)) : V(&store_.v[a][first], stdx::vector_aligned);
     for (int b = 0; b < 3; ++b) {
-      C[a][b] = kGather ? run.gradient * numbers.get(numbers.matrix(a, b))
-                        : V(&store_.C[3 * a + b][first], stdx::vector_aligned);
+      s.C[a][b] = kGather ? run.gradient * numbers.get(numbers.matrix(a, b))
+                          : V(&store_.C[3 * a + b][first], stdx::vector_aligned);
     }
   }
 
   // Controls: the forced motion of the gathered substep, then blends and forces of the scattered one.
   const bool controlled = !kPlain && store_.registers[group].controlled;
-  const auto controls_of = [&](const ControlTable& table) {
-    std::uint16_t groups[W];
-    for (int l = 0; l < W; ++l) {
-      const int i = store_.particle[first + l];
-      groups[l] = i >= 0 ? setup_.control_group[i] : 0;
-    }
-    return load_controls<T>(table, groups, run.origin, run.dx);
-  };
   const bool forced = kGather && controlled && after_.active;
   ForcedMotion<V> motion;
-
   GroupMotion<V> measured;
-  if (kMeasure) measured = {mass, volume, x, F, F, F, v, v, v, C, C, C};
+  if (kMeasure) measured = {s.mass, s.volume, s.x, s.F, s.F, s.F, s.v, s.v, s.v, s.C, s.C, s.C};
   if (kGather) {
-    if (forced) motion = force_motion<T>(controls_of(after_), x, mass, v, C, run.report.control_work);
-    const V squared = dot(v, v);
-    run.kinetic += mass * squared;
-    run.speed_squared = at_least(squared, run.speed_squared);
-    for (int a = 0; a < 3; ++a) x[a] += run.move * v[a];
     if (forced) {
-      for (int a = 0; a < 3; ++a) x[a] += run.move * motion.increment[a];
-      const Vec3<V> whole = v + motion.increment;
-      run.speed_squared = at_least(dot(whole, whole), run.speed_squared);
+      motion = force_motion<T>(controls_of(run, group, after_), s.x, s.mass, s.v, s.C, run.report.control_work);
     }
-    if (run.at_edge) {
-      const Vec3<V> moved = x;
-      for (int a = 0; a < 3; ++a) x[a] = at_most(at_least(x[a], V(run.low[a])), V(run.high[a]));
-      const auto held = moved.x != x.x || moved.y != x.y || moved.z != x.z;
-      run.report.clamped += stdx::popcount(held && volume > V(T(0)));
-    }
-    const Mat3<V> gradient_of_step = forced ? C + motion.increment_gradient : C;
-    F = F + V(run.step) * (gradient_of_step * F);
-    if (setup_.track_total_F) {
-      Mat3<V> total;
-      for (int k = 0; k < 9; ++k) total[k / 3][k % 3] = V(&store_.total_F[k][first], stdx::vector_aligned);
-      total = total + V(run.step) * (gradient_of_step * total);
-      for (int k = 0; k < 9; ++k) total[k / 3][k % 3].copy_to(&store_.total_F[k][first], stdx::vector_aligned);
-    }
+    move(run, group, forced, motion, s);
   }
+
   // A prime pass only evaluates stress; its F has been through the return map already.
-  if (kMeasure) measured.F_trial = F;
+  if (kMeasure) measured.F_trial = s.F;
   const V evolved(kGather ? run.step : T(0));
-  const Mat3<V> tau = kPlain ? update_branch(static_cast<Branch>(kKnown), p, evolved, F, strength)
-                             : update_stress(group, first, p, evolved, F, strength);
+  const Mat3<V> tau = kPlain ? update_branch(static_cast<Branch>(kKnown), p, evolved, s.F, s.strength)
+                             : update_stress(group, first, p, evolved, s.F, s.strength);
   if (kMeasure) {
-    measured.x = x, measured.v = v, measured.C = C;
-    measured.v_moved = forced ? v + motion.increment : v;
-    measured.C_moved = forced ? C + motion.increment_gradient : C;
-    if (kGather) measured.F = F;
+    measured.x = s.x, measured.v = s.v, measured.C = s.C;
+    measured.v_moved = forced ? s.v + motion.increment : s.v;
+    measured.C_moved = forced ? s.C + motion.increment_gradient : s.C;
+    if (kGather) measured.F = s.F;
     Branch branch[W];
     for (int l = 0; l < W; ++l) {
       const int i = store_.particle[first + l];
@@ -261,42 +304,32 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
     measure_group(measured, p, branch, run.origin, setup_.domain.gravity, run.dx, kGather ? run.dt : 0,
                   run.report.energy);
   }
-  if (forced) run.report.control_work += elastic_work<T>(motion, tau, volume, run.step);
+  if (forced) run.report.control_work += elastic_work<T>(motion, tau, s.volume, run.step);
+
   if (kGather) {
     for (int a = 0; a < 3; ++a) {
-      put(a, x[a]);
-      for (int b = 0; b < 3; ++b) put(store_.kDeformation + 3 * a + b, F[a][b]);
+      put(a, s.x[a]);
+      for (int b = 0; b < 3; ++b) put(store_.kDeformation + 3 * a + b, s.F[a][b]);
     }
-    if (kStrength && store_.has_strength) strength.copy_to(&store_.strength[first], stdx::vector_aligned);
+    if (kStrength && store_.has_strength) s.strength.copy_to(&store_.strength[first], stdx::vector_aligned);
   }
   if (!kScatter) {
     for (int a = 0; a < 3; ++a) {
-      v[a].copy_to(&store_.v[a][first], stdx::vector_aligned);
-      for (int b = 0; b < 3; ++b) C[a][b].copy_to(&store_.C[3 * a + b][first], stdx::vector_aligned);
+      s.v[a].copy_to(&store_.v[a][first], stdx::vector_aligned);
+      for (int b = 0; b < 3; ++b) s.C[a][b].copy_to(&store_.C[3 * a + b][first], stdx::vector_aligned);
     }
     return 0;
   }
 
   if (controlled && before_.active) {
-    run.report.control_work += blend_controls<T>(controls_of(before_), x, mass, v, C);
+    run.report.control_work += blend_controls<T>(controls_of(run, group, before_), s.x, s.mass, s.v, s.C);
   }
   if (kMeasure) {
-    const double scattered = affine_kinetic(mass, v, C, run.dx);
-    run.report.energy.control_before += scattered - affine_kinetic(mass, measured.v, measured.C, run.dx);
+    const double scattered = affine_kinetic(s.mass, s.v, s.C, run.dx);
+    run.report.energy.control_before += scattered - affine_kinetic(s.mass, measured.v, measured.C, run.dx);
     run.report.energy.scattered += scattered;
   }
-  const Place<V> at = place_of(x, column >= 0 ? GridExchange<T>::column_base(column) : base_of(x));
-  numbers.set_weights(at);
-  // Per cell of offset: m C dx − dt V⁰ (4/dx) τ (MLS-MPM, Hu et al. 2018).
-  const V inertia = mass * T(run.dx), force = -(run.step * run.gradient) * volume;
-  const Mat3<V> Q = inertia * C + force * tau;
-  numbers.set(mass, mass * v + Q * at.to_center, Q);
-  if (kMeasure) {
-    const Mat3<V> spin = inertia * C;
-    run.force_free.set_weights(at);
-    run.force_free.set(mass, mass * v + spin * at.to_center, spin);
-  }
-  return column >= 0 ? lane_bits(strayed(at)) & store_.registers[group].lanes : 0;
+  return set_scattered<kMeasure>(run, group, column, s, tau, numbers);
 }
 
 // Carries lanes that have left their column's cell to the grid, and takes them out of the numbers that go there with
