@@ -32,45 +32,73 @@ struct LaneControls {
   Vec3<V> change;
 };
 
-// group: the control group of every lane, [kLanes<T>]; 0 for an empty lane. origin: the block's first node [m].
+namespace control_detail {
+
+constexpr int kNumbers = 3 + 9 + 1 + 3 + 4 + 3;
+
+// A control in the order of LaneControls. origin: the block's first node [m].
 template <class T>
-LaneControls<T> load_controls(const ControlTable& table, const std::uint16_t* group, const Vec3d& origin, double dx) {
-  using V = Lanes<T>;
-  constexpr int W = kLanes<T>;
-  constexpr int kNumbers = 3 + 9 + 1 + 3 + 4 + 3;
-  alignas(64) T lanes[kNumbers][W];
-  for (int l = 0; l < W; ++l) {
-    if (l > 0 && group[l] == group[l - 1]) {
-      for (int k = 0; k < kNumbers; ++k) lanes[k][l] = lanes[k][l - 1];
-      continue;
-    }
-    const Control& c = table.group[group[l]];
-    const Vec3d at = c.velocity + c.gradient * (origin - c.center);
-    int k = 0;
-    for (int a = 0; a < 3; ++a) lanes[k++][l] = T(at[a]);
-    for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < 3; ++b) lanes[k++][l] = T(c.gradient[a][b]);
-    }
-    lanes[k++][l] = T(c.speed_limit);
-    for (int a = 0; a < 3; ++a) lanes[k++][l] = T(c.axis[a]);
-    for (const double weight : {c.blend.along, c.blend.across, c.position.along, c.position.across}) {
-      lanes[k++][l] = T(weight);
-    }
-    for (int a = 0; a < 3; ++a) lanes[k++][l] = T(c.change[a]);
+void write_numbers(const Control& c, const Vec3d& origin, T* out) {
+  const Vec3d at = c.velocity + c.gradient * (origin - c.center);
+  for (int a = 0; a < 3; ++a) *out++ = T(at[a]);
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) *out++ = T(c.gradient[a][b]);
   }
-  int k = 0;
-  const auto next = [&] { return V(lanes[k++], stdx::vector_aligned); };
+  *out++ = T(c.speed_limit);
+  for (int a = 0; a < 3; ++a) *out++ = T(c.axis[a]);
+  for (const double weight : {c.blend.along, c.blend.across, c.position.along, c.position.across}) *out++ = T(weight);
+  for (int a = 0; a < 3; ++a) *out++ = T(c.change[a]);
+}
+
+// next: gives the numbers one after the other, all lanes.
+template <class T, class Next>
+PHYSMAS_INLINE LaneControls<T> read_numbers(double dx, const Next& next) {
   LaneControls<T> c;
   for (int a = 0; a < 3; ++a) c.at[a] = next();
   for (int a = 0; a < 3; ++a) {
     for (int b = 0; b < 3; ++b) c.gradient[a][b] = next();
   }
-  c.slope = V(T(dx)) * c.gradient;
+  c.slope = Lanes<T>(T(dx)) * c.gradient;
   c.speed_limit = next();
   for (int a = 0; a < 3; ++a) c.axis[a] = next();
   c.along = next(), c.across = next();
   c.position_along = next(), c.position_across = next();
   for (int a = 0; a < 3; ++a) c.change[a] = next();
+  return c;
+}
+
+}  // namespace control_detail
+
+// Lanes of several groups. group: the control group of every lane, [kLanes<T>]; 0 for an empty lane. origin: the
+// block's first node [m].
+template <class T>
+LaneControls<T> load_controls(const ControlTable& table, const std::uint16_t* group, const Vec3d& origin, double dx) {
+  constexpr int W = kLanes<T>, kNumbers = control_detail::kNumbers;
+  alignas(64) T lanes[kNumbers][W];
+  T numbers[kNumbers];
+  for (int l = 0; l < W; ++l) {
+    if (l == 0 || group[l] != group[l - 1]) {
+      control_detail::write_numbers(table.group[group[l]], origin, numbers);
+    }
+    for (int k = 0; k < kNumbers; ++k) lanes[k][l] = numbers[k];
+  }
+  int k = 0;
+  return control_detail::read_numbers<T>(dx, [&] { return Lanes<T>(lanes[k++], stdx::vector_aligned); });
+}
+
+// One control for all lanes that are `held`; nothing happens to the others.
+template <class T>
+LaneControls<T> load_controls(const Control& control, LaneBits held, const Vec3d& origin, double dx) {
+  using V = Lanes<T>;
+  T numbers[control_detail::kNumbers];
+  control_detail::write_numbers(control, origin, numbers);
+  int k = 0;
+  LaneControls<T> c = control_detail::read_numbers<T>(dx, [&] { return V(numbers[k++]); });
+  if (held == kAllLanes<T>) return c;
+  const auto mask = lane_mask<T>(held);
+  for (V* lanes : {&c.along, &c.across, &c.position_along, &c.position_across, &c.change.x, &c.change.y, &c.change.z}) {
+    *lanes = select(mask, *lanes, V(T(0)));
+  }
   return c;
 }
 

@@ -186,6 +186,10 @@ struct BlockPass<T>::LaneState {
 
 template <class T>
 PHYSMAS_INLINE LaneControls<T> BlockPass<T>::controls_of(const Run& run, int group, const ControlTable& table) const {
+  const auto& common = store_.registers[group];
+  if (common.control != store_.kSeveral) {
+    return load_controls<T>(table.group[common.control], common.lanes, run.origin, run.dx);
+  }
   std::uint16_t groups[W];
   for (int l = 0; l < W; ++l) {
     const int i = store_.particle[group * W + l];
@@ -274,7 +278,7 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
   }
 
   // Controls: the forced motion of the gathered substep, then blends and forces of the scattered one.
-  const bool controlled = !kPlain && store_.registers[group].controlled;
+  const bool controlled = !kPlain && store_.registers[group].control != 0;
   const bool forced = kGather && controlled && after_.active;
   ForcedMotion<V> motion;
   GroupMotion<V> measured;
@@ -365,7 +369,7 @@ BlockReport BlockPass<T>::run(int index, double dt) {
   Run run(index, block, setup_.domain, dt);
   const auto advance_any = [&](int group, int column, GridNumbers<T>& numbers) PHYSMAS_LAMBDA_INLINE {
     const int row = store_.registers[group].row;
-    const bool controlled = store_.registers[group].controlled && (before_.active || after_.active);
+    const bool controlled = store_.registers[group].control != 0 && (before_.active || after_.active);
     if (kGather && kScatter && !kMeasure && row >= 0 && !controlled) {
       LaneBits strays = 0;
       with_branch(setup_.branches[row], [&](auto branch) PHYSMAS_LAMBDA_INLINE {

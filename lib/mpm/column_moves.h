@@ -44,7 +44,7 @@ typename ParticleStore<T>::Slot ParticleStore<T>::loose_particle(int begin, int 
   const V x(T(cell / (kBlock * kBlock))), y(T(cell / kBlock % kBlock)), z(T(cell % kBlock));
   for (int g = begin; g < end; ++g) {
     const Register& from = registers[g];
-    if (from.row != to.row || (from.controlled && !to.controlled)) continue;
+    if (from.row != to.row || (from.control != to.control && to.control != kSeveral)) continue;
     const Vec3<V> base = base_of(GridExchange<T>::load(numbers(g)));
     const LaneBits here = lane_bits(base.x == x && base.y == y && base.z == z) & from.lanes;
     if (here != 0) return {g, __builtin_ctz(here)};
@@ -63,13 +63,14 @@ typename ParticleStore<T>::Slot ParticleStore<T>::column_place(int begin, int en
       if (!(place >= T(0) && place < T(kBlock))) return {};
       cell = cell * kBlock + static_cast<int>(place);
     }
-    const Register& from = registers[group];
+    const int row = registers[group].row;
+    const std::uint16_t own = control_of(particle[group * W + lane]);
     const LaneBits of_cell = ((LaneBits(1) << kColumnSlots) - 1) << cell % kCells * kColumnSlots;
     for (int g = begin; g < end; ++g) {
       const Register& to = registers[g];
       const LaneBits free = of_cell & ~to.lanes;
       if (to.column != cell / kCells * kCells || free == 0) continue;
-      if (to.row == from.row && (to.controlled || !from.controlled)) return {g, __builtin_ctz(free)};
+      if (to.row == row && (to.control == own || to.control == kSeveral)) return {g, __builtin_ctz(free)};
     }
   }
   return {};
@@ -96,13 +97,14 @@ void ParticleStore<T>::move(int group, int lane, const Slot& to) {
     numbers(group)[c * W + lane] = empty_[c * W + lane];
   }
   const int slot = group * W + lane;
+  const std::uint16_t own = control_of(particle[slot]);
   for (int a = 0; a < 3; ++a) x[a][slot] = rest(slot, a);
   particle[to.group * W + to.lane] = particle[slot];
   particle[slot] = -1;
   Register &old_home = registers[group], &home = registers[to.group];
   home.row = home.lanes == 0 || home.row == old_home.row ? old_home.row : -1;
+  home.control = home.lanes == 0 || home.control == own ? own : kSeveral;
   home.lanes |= LaneBits(1) << to.lane;
-  home.controlled |= old_home.controlled;
   old_home.lanes &= ~(LaneBits(1) << lane);
 }
 

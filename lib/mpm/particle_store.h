@@ -51,13 +51,14 @@ class ParticleStore {
   Channel total_F[9];          // row-major, when tracked
   Buffer<int> particle;        // the callers' index, -1: empty slot
   Channel v[3], C[9];          // m/s, 1/s; valid after load and after the last pass of an interval
+  static constexpr std::uint16_t kSeveral = 0xffff;
   // What the lanes of a register of slots have in common.
   struct Register {
-    int row = -1;             // of all lanes, -1 when mixed
-    LaneBits lanes = 0;       // those that hold particles
-    LaneBits leaving = 0;     // of a column: those that are not in their cell any more
-    std::int8_t column = -1;  // the block's cell that is the column's lowest, -1: not a column
-    bool controlled = false;  // whether any particle is in a control group
+    int row = -1;               // of all lanes, -1 when mixed
+    LaneBits lanes = 0;         // those that hold particles
+    LaneBits leaving = 0;       // of a column: those that are not in their cell any more
+    std::int8_t column = -1;    // the block's cell that is the column's lowest, -1: not a column
+    std::uint16_t control = 0;  // control group of all particles, kSeveral where they differ
   };
   std::vector<Register> registers;
   bool has_strength = false;
@@ -91,6 +92,7 @@ class ParticleStore {
     const int cell = column + slot % W / kColumnSlots;
     return T(1 + (axis == 0 ? cell / (kBlock * kBlock) : axis == 1 ? cell / kBlock % kBlock : cell % kBlock));
   }
+  std::uint16_t control_of(int i) const { return has_controls_ ? setup_.control_group[i] : std::uint16_t(0); }
   template <class Function>
   void for_each_register(int b, const Function& function) const;
   void bind();
@@ -245,20 +247,22 @@ void ParticleStore<T>::place() {
 template <class T>
 void ParticleStore<T>::describe(int group, const Arrival* const* from, const int* held) {
   int row = -1;
-  bool mixed = false, controlled = false;
+  bool mixed = false;
+  std::uint16_t control = 0;
   LaneBits lanes = 0;
   for (int l = 0; l < W; ++l) {
     if (!from[l]) continue;
     mixed = mixed || (lanes != 0 && from[l]->row != row);
     row = from[l]->row;
+    const std::uint16_t own = control_of(held[l]);
+    control = lanes == 0 || control == own ? own : kSeveral;
     lanes |= LaneBits(1) << l;
-    if (has_controls_) controlled = controlled || setup_.control_group[held[l]] != 0;
   }
   Register& home = registers[group];
   home.row = mixed ? -1 : row;
   home.lanes = lanes;
   home.leaving = 0;
-  home.controlled = controlled;
+  home.control = control;
 }
 
 // Calls function(group, from) for all registers of block b, from[l] the arrival that lane l will hold, or null.

@@ -76,7 +76,7 @@ double check_store(ParticleStore<T>& store, const Scene& scene) {
       in_columns += home.column >= 0;
       wrong_registers += home.row >= 0 && home.row != scene.setup.row[i];
       wrong_registers += home.column >= 0 && home.row < 0;
-      wrong_registers += scene.setup.control_group[i] != 0 && !home.controlled;
+      wrong_registers += home.control != store.kSeveral && home.control != scene.setup.control_group[i];
       wrong_numbers += store.volume[s] != T(scene.setup.volume[i]) || store.strength[s] != T(scene.state.strength[i]);
       for (int k = 0; k < 9; ++k) wrong_numbers += store.F[k][s] != T(scene.state.F[i][k / 3][k % 3]);
     }
