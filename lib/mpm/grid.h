@@ -66,7 +66,8 @@ class Grid {
     }
   }
   bool near_obstacle(const GridBlock& block) const;
-  void apply_obstacles(const GridBlock& block, T* nodes) const;
+  // Nodes without mass, of which nobody asks, are left alone. received: {m, …} per node.
+  void apply_obstacles(const GridBlock& block, const T* received, T* nodes) const;
   template <bool kMeasure>
   double update_block(int index, double dt);
 
@@ -115,9 +116,10 @@ bool Grid<T>::near_obstacle(const GridBlock& block) const {
 }
 
 template <class T>
-void Grid<T>::apply_obstacles(const GridBlock& block, T* nodes) const {
+void Grid<T>::apply_obstacles(const GridBlock& block, const T* received, T* nodes) const {
   const int wall = setup_.domain.wall_cells, far_wall = setup_.domain.n - wall;
   for (int i = 0; i < kBlockNodes; ++i) {
+    if (!(received[4 * i] > T(0))) continue;
     const int index[3] = {kBlock * block.position[0] + i / 16, kBlock * block.position[1] + i / 4 % 4,
                           kBlock * block.position[2] + i % 4};
     T* node = nodes + 4 * i;
@@ -139,6 +141,8 @@ double Grid<T>::update_block(int index, double dt) {
   typedef T Nodes __attribute__((vector_size(kRow * sizeof(T))));  // of one row
   alignas(64) Nodes nodes[kBlock * kBlock];
   alignas(64) T arrived[kMeasure ? 4 * kBlockNodes : 1], free[kMeasure ? 4 * kBlockNodes : 1];
+  alignas(64) T received[4 * kBlockNodes];  // where obstacles are
+  const bool obstacle = obstacle_[index] != 0;
   const Vec3d& g = setup_.domain.gravity;
   const T gx = T(dt * g.x), gy = T(dt * g.y), gz = T(dt * g.z);
   const Nodes fall = {0, gx, gy, gz, 0, gx, gy, gz, 0, gx, gy, gz, 0, gx, gy, gz};
@@ -159,6 +163,7 @@ double Grid<T>::update_block(int index, double dt) {
     Nodes u;
     std::memcpy(&u, momentum_.data() + at, sizeof(u));
     std::memset(momentum_.data() + at, 0, sizeof(u));
+    if (obstacle) std::memcpy(received + kRow * r, &u, sizeof(u));
     if constexpr (kMeasure) {
       std::memcpy(arrived + kRow * r, force_free_.data() + at, sizeof(u));
       std::memset(force_free_.data() + at, 0, sizeof(u));
@@ -170,8 +175,8 @@ double Grid<T>::update_block(int index, double dt) {
   });
   T* const numbers = reinterpret_cast<T*>(nodes);
   if constexpr (kMeasure) std::memcpy(free, nodes, sizeof(nodes));
-  if (obstacle_[index]) {
-    apply_obstacles(block, numbers);
+  if (obstacle) {
+    apply_obstacles(block, received, numbers);
     largest = Nodes{};
     for (const Nodes& u : nodes) see(u);
   }
