@@ -139,7 +139,7 @@ template <bool kMeasure>
 double Grid<T>::update_block(int index, double dt) {
   const GridBlock& block = map_.grid_blocks[index];
   typedef T Nodes __attribute__((vector_size(kRow * sizeof(T))));  // of one row
-  alignas(64) Nodes nodes[kBlock * kBlock];
+  Nodes nodes[kBlock * kBlock];
   alignas(64) T arrived[kMeasure ? 4 * kBlockNodes : 1], free[kMeasure ? 4 * kBlockNodes : 1];
   alignas(64) T received[4 * kBlockNodes];  // where obstacles are
   const bool obstacle = obstacle_[index] != 0;

@@ -99,7 +99,8 @@ class GridExchange {
         const auto held = lane_mask<T>(lanes[r + k]);
         for (V& w : place[k].weight[0]) w = select(held, w, V(T(0)));
       }
-      mpm::gather_columns<R>(nodes + offset_of(column), step_, place, out + r);
+      // Where registers are too short for columns there are none.
+      if constexpr (kColumnCells<T> >= 2) mpm::gather_columns<R>(nodes + offset_of(column), step_, place, out + r);
     };
     int r = 0;
     for (; r + 2 <= count; r += 2) some(r, std::integral_constant<int, 2>());
@@ -107,7 +108,7 @@ class GridExchange {
   }
   // Lanes without a particle must have no mass and no momentum.
   __attribute__((noinline)) void scatter_columns(T* nodes, int column, int count, const GridNumbers<T>* in) const {
-    mpm::scatter_columns(nodes + offset_of(column), step_, count, in);
+    if constexpr (kColumnCells<T> >= 2) mpm::scatter_columns(nodes + offset_of(column), step_, count, in);
   }
 
  private:
