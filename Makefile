@@ -200,6 +200,8 @@ test: test-unit test-fuzz test-cli ## Run every test (SAN=1 for sanitizers)
 
 # So that CI compiles in parallel and tests one after the other.
 .PHONY: test-programs
+test-programs: all $(BUILD)/test/unit $(TEST_TOOLS) $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%)
+
 # The solver's kernels depend on the width of the registers; most machines that build it know one width only.
 NARROWER := $(if $(filter x86_64,$(shell uname -m)),x86-64-v3 x86-64)
 .PHONY: check-portable
@@ -207,8 +209,6 @@ check-portable: $(BUILD)/gen/embedded_texts.cpp ## Compile the solver for proces
 	$(Q)for arch in $(NARROWER); do \
 	  $(CXX) $(CPPFLAGS) $(CXXFLAGS) -march=$$arch -Wno-psabi -fsyntax-only lib/mpm/stepper.cpp || exit; \
 	  echo "lib/mpm/stepper.cpp compiles for $$arch"; done
-
-test-programs: all $(BUILD)/test/unit $(TEST_TOOLS) $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%)
 
 test-unit: $(BUILD)/test/unit ## The C++ tests
 	@$(BUILD)/test/unit

@@ -40,8 +40,9 @@ template <class T>
 typename ParticleStore<T>::Slot ParticleStore<T>::loose_particle(int begin, int end, int group, int lane) {
   using V = Lanes<T>;
   const Register& to = registers[group];
-  const int cell = to.column + lane / kColumnSlots;
-  const V x(T(cell / (kBlock * kBlock))), y(T(cell / kBlock % kBlock)), z(T(cell % kBlock));
+  // A free lane rests in the middle of the stencil of its cell.
+  const auto cell = [&](int axis) { return V(rest(group * W + lane, axis) - T(1)); };
+  const V x = cell(0), y = cell(1), z = cell(2);
   for (int g = begin; g < end; ++g) {
     const Register& from = registers[g];
     if (from.row != to.row || (from.control != to.control && to.control != kSeveral)) continue;

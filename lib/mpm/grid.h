@@ -71,11 +71,14 @@ class Grid {
   template <bool kMeasure>
   double update_block(int index, double dt);
 
+  static constexpr int kChunk = 8;  // blocks that a thread takes at once: one alone is less than a microsecond
+
   const StepperSetup& setup_;
   const BlockMap& map_;
   double dx_;
   Buffer<T> velocity_, momentum_, force_free_;
   std::vector<std::uint8_t> obstacle_;  // per active block: a wall or collider may touch it
+  std::vector<int> chunk_bounds_;       // of the threads' chunks of blocks
   std::vector<double> speed_;           // per active block: largest velocity component [m/s]
   std::vector<GridEnergy> energy_;      // per active block, when measured
 };
@@ -86,6 +89,10 @@ void Grid<T>::prepare() {
   speed_.assign(map_.grid_blocks.size(), 0);
   obstacle_.assign(map_.grid_blocks.size(), 0);
   for (size_t b = 0; b < obstacle_.size(); ++b) obstacle_[b] = near_obstacle(map_.grid_blocks[b]);
+  const int chunks = (static_cast<int>(map_.grid_blocks.size()) + kChunk - 1) / kChunk;
+  // Where one thread has all particles, waking another takes longer than the grid.
+  chunk_bounds_ = Team::even_ranges(chunks, map_.shared() ? setup_.team->threads() : 1);
+  chunk_bounds_.resize(setup_.team->threads() + 1, chunks);
 }
 
 template <class T>
@@ -194,19 +201,11 @@ double Grid<T>::update_block(int index, double dt) {
 template <class T>
 double Grid<T>::update(double dt, GridEnergy& energy) {
   const int count = static_cast<int>(map_.grid_blocks.size());
-  const auto update_range = [&](int begin, int end) {
-    for (int b = begin; b < end; ++b) {
+  setup_.team->for_each(chunk_bounds_, [&](int chunk) {
+    for (int b = chunk * kChunk; b < std::min(count, (chunk + 1) * kChunk); ++b) {
       speed_[b] = setup_.measure_steps ? update_block<true>(b, dt) : update_block<false>(b, dt);
     }
-  };
-  constexpr int kChunk = 8;  // a block alone is less than a microsecond
-  const int chunks = (count + kChunk - 1) / kChunk;
-  // Where one thread has all particles, waking another takes longer than the grid.
-  const int threads = map_.shared() ? setup_.team->threads() : 1;
-  std::vector<int> bounds = Team::even_ranges(chunks, threads);
-  bounds.resize(setup_.team->threads() + 1, chunks);
-  setup_.team->for_each(bounds,
-                        [&](int chunk) { update_range(chunk * kChunk, std::min(count, (chunk + 1) * kChunk)); });
+  });
   if (setup_.measure_steps) {
     for (const GridEnergy& e : energy_) energy.add(e);
   }

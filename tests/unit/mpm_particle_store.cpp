@@ -130,7 +130,6 @@ void check_moves() {
       left += wander(store, 0.05, random);
       check_store(store, scene);
     }
-    const std::vector<ParticleBlock> blocks = store.map.particle_blocks;
     State before = scene.state, after = scene.state;
     store.store(before);
     store.sort();
