@@ -24,7 +24,7 @@ constexpr double kDeviations = 3;
 class TargetRenderer {
  public:
   TargetRenderer(const Scene& scene, const Gaussians& gaussians, const std::vector<uint8_t>& target)
-      : scene_(scene), gaussians_(gaussians), renderer_(gaussians), labels_(target.begin(), target.end()) {}
+      : scene_(scene), renderer_(gaussians), labels_(target.begin(), target.end()) {}
 
   // Renders frame t with all Gaussians; what follows speaks of that frame until the next call.
   void render(const splat::TransportedFrame& frame, int t) {
@@ -56,7 +56,6 @@ class TargetRenderer {
   bool in_silhouette(size_t p) const { return image_->alpha[p] >= kSilhouetteAlpha && image_->label[p] == 1; }
 
   const Scene& scene_;
-  const Gaussians& gaussians_;
   splat::Renderer renderer_;
   std::vector<int32_t> labels_;
   const splat::RenderedImage* image_ = nullptr;  // the renderer's

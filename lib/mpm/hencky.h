@@ -111,20 +111,31 @@ inline Mat3<T> update_hencky_by_svd(Branch branch, const MaterialParameters<T>& 
 // ---- In closed form: every τ_i is a mean plus a multiple of the deviatoric strain, and the plastic update is
 // F ← exp(ε' − ε) F, so both are isotropic functions of b = F Fᵀ.
 
-// exp(ε' − ε) with ε' = map(ε): eigenvalues exp(shift + (keep − 1) dev ε_i). difference: divided differences of the
-// strain, number 1 to 2 and 2 to 3; inverse: of the gap 1 to 3.
+// exp(ε' − ε) − 1 with ε' = map(ε): eigenvalues exp(x_i) − 1, x_i = shift + (keep − 1) dev ε_i. difference: divided
+// differences of the strain, number 1 to 2 and 2 to 3; inverse: of the gap 1 to 3.
 template <class T>
 PHYSMAS_INLINE Symmetric<T> plastic_increment(const Spectrum<T>& q, const Vec3<T>& deviatoric, const T& mean,
                                               const Radial<T>& map, const T& difference12, const T& difference23,
                                               const T& inverse) {
-  const T power = map.keep - T(1), shift = map.mean - mean;
-  Vec3<T> g;
-  for (int i = 0; i < 3; ++i) g[i] = exponential(shift + power * deviatoric[i]);
-  // g_i − g_j = 2 √(g_i g_j) sinh(y), y half the difference of the exponents.
-  const T half = Scalar<T>(0.5) * power;
-  const T g12 = square_root(g.x * g.y) * (power * difference12) * sinh_over(half * (deviatoric.x - deviatoric.y));
-  const T g23 = square_root(g.y * g.z) * (power * difference23) * sinh_over(half * (deviatoric.y - deviatoric.z));
-  return isotropic(q, g.x, g12, (g12 - g23) * inverse);
+  using S = Scalar<T>;
+  const T power = map.keep - T(1), shift = map.mean - mean, half = S(0.5) * power;
+  // exp x_i − exp x_j = 2 exp((x_i + x_j) / 2) sinh((x_i − x_j) / 2), and the x_i add up to 3 shift.
+  const T x1 = shift + power * deviatoric.x, x12 = shift - half * deviatoric.z, x23 = shift - half * deviatoric.x;
+  const T y12 = half * (deviatoric.x - deviatoric.y), y23 = half * (deviatoric.y - deviatoric.z);
+  T less_one, g12, g23;
+  const T most = at_least(at_least(absolute(x1), absolute(x12)), absolute(x23));
+  if (all(most < T(S(0.25)))) {  // so |y| < 1/2: a step's plastic strain is small
+    less_one = x1 * exponential_less_one_over(x1);
+    g12 = (T(1) + x12 * exponential_less_one_over(x12)) * sinh_series(y12);
+    g23 = (T(1) + x23 * exponential_less_one_over(x23)) * sinh_series(y23);
+  } else {
+    less_one = exponential(x1) - T(1);
+    g12 = exponential(x12) * sinh_over(y12);
+    g23 = exponential(x23) * sinh_over(y23);
+  }
+  g12 = g12 * (power * difference12);
+  g23 = g23 * (power * difference23);
+  return isotropic(q, less_one, g12, (g12 - g23) * inverse);
 }
 
 template <class T>
@@ -151,12 +162,12 @@ PHYSMAS_INLINE Mat3<T> update_hencky(Branch branch, const MaterialParameters<T>&
   const Radial<T> map = return_map(branch, p, mean, size, S(3) * q.mean, dt, strength, moved);
   moved = moved && ordinary;
   if (any(moved)) {
-    F = select(moved, to_matrix(plastic_increment(q, d, mean, map, e12, e23, inverse)) * F, F);
+    F = select(moved, F + to_matrix(plastic_increment(q, d, mean, map, e12, e23, inverse)) * F, F);
   }
   T tau_mean = (p.mu + p.mu + S(3) * p.lambda) * map.mean;
   T tau_keep = (p.mu + p.mu) * map.keep;
   if (has_stress_cone(branch)) {
-    const Radial<T> cone = project_to_cone(tau_mean, tau_keep * size, p);
+    const Radial<T> cone = project_to_cone(tau_mean, (p.mu + p.mu) * map.size, p);
     tau_mean = cone.mean;
     tau_keep = tau_keep * cone.keep;
   }

@@ -46,27 +46,29 @@ PHYSMAS_INLINE Spectrum<T> spectrum_of_left_cauchy_green(const Mat3<T>& F) {
   const T p2 = S(1.0 / 6.0) * (A.xx * A.xx + A.yy * A.yy + A.zz * A.zz + (outer + outer));
   const T p = square_root(p2);
   const T det = A.xx * (A.yy * A.zz - yz2) - A.yy * xz2 - A.zz * xy2 + S(2) * (A.xy * A.xz * A.yz);
-  // Where b is a multiple of I to rounding, any r will do.
-  const T floor = at_least(p, S(1e-9) * q.mean + T(kTiny<T>));
-  const T inverse = T(1) / floor;
-  const T ratio = S(0.5) * det * inverse * (inverse * inverse);
+  // r = det / 2 p³, without waiting for the root. Where b is a multiple of I to rounding, any r will do.
+  const T inverse = T(1) / at_least(p2, S(1e-18) * (q.mean * q.mean) + T(kTiny<T>));
+  const T ratio = (S(0.5) * det * inverse) * (inverse * p);
   const auto mirrored = ratio < T(0);
   const T r = at_most(absolute(ratio), T(1));
-  // t(r) interpolated at Chebyshev nodes: for float within 1.3e-8, for double within 5e-6, and each of Newton's steps
-  // doubles the digits.
-  T t;
+  // t and s = √3 sin φ, interpolated at Chebyshev nodes.
+  T t, s;
   if constexpr (sizeof(S) == 4) {
+    // Within 1.4e-8 both.
     t = polynomial(r, {0.866025416, 0.166665043, -0.0480773503, 0.0243923838, -0.0142895648, 0.00766430176,
                        -0.0029228305, 0.000542607713});
+    s = square_root(T(1) - r) * polynomial(r, {0.866025395, -0.0669862248, 0.0266237455, -0.0147995785, 0.0090199563,
+                                               -0.00493061026, 0.00189791456, -0.000354021966});
   } else {
+    // Within 5e-6, and each of Newton's steps doubles the digits.
     t = polynomial(
         r, {0.866030432022691, 0.16641172178759583, -0.045921933130763676, 0.01751218857521032, -0.004035398716655251});
     for (int k = 0; k < 2; ++k) {
       const T t2 = t * t;
       t = (S(8) * t * t2 + r) / (S(12) * t2 - T(3));
     }
+    s = S(1.7320508075688772) * square_root(at_least(T(1) - t * t, T(0)));
   }
-  const T s = S(1.7320508075688772) * square_root(at_least(T(1) - t * t, T(0)));
   const T size = select(mirrored, -p, p);
   q.offset = {size * (t + t), size * (s - t), -(size * (s + t))};
   for (int i = 0; i < 3; ++i) q.value[i] = q.mean + q.offset[i];
@@ -125,18 +127,25 @@ PHYSMAS_INLINE T log_difference(const T& a, const T& b, const T& gap, const T& l
   return select(close, series, log_a - log_b) * inverse;
 }
 
+// sinh(y) / y for |y| < 1/2, within 2 ulp.
+template <class T>
+PHYSMAS_INLINE T sinh_series(const T& y) {
+  const T y2 = y * y;
+  if constexpr (sizeof(Scalar<T>) == 4) {
+    return polynomial(y2, {1.0, 1.0 / 6, 1.0 / 120, 1.0 / 5040});
+  } else {
+    return polynomial(y2, {1.0, 1.0 / 6, 1.0 / 120, 1.0 / 5040, 1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800,
+                           1.0 / 1307674368000});
+  }
+}
+
 // sinh(y) / y.
 template <class T>
 PHYSMAS_INLINE T sinh_over(const T& y) {
   using S = Scalar<T>;
-  const T y2 = y * y;
-  const auto close = y2 < T(S(0.25));
-  constexpr int kTerms = sizeof(S) == 4 ? 3 : 7;
-  T series(1);
-  for (int k = kTerms; k >= 1; --k) series = series * y2 * S(1.0 / (2.0 * k * (2.0 * k + 1))) + T(1);
-  if (all(close)) return series;
+  const auto close = absolute(y) < T(S(0.5));
   const T e = exponential(y);
-  return select(close, series, S(0.5) * (e - T(1) / e) / select(close, T(1), y));
+  return select(close, sinh_series(y), S(0.5) * (e - T(1) / e) / select(close, T(1), y));
 }
 
 // V = √b, the symmetric left stretch of F. The divided differences of a square root are rational.

@@ -218,9 +218,7 @@ PHYSMAS_INLINE stdx::simd<T, Abi> exponential(const stdx::simd<T, Abi>& x) {
   constexpr T kLogTwoHigh = sizeof(T) == 4 ? T(0.693359375) : T(6.93145751953125e-1);
   constexpr T kLogTwoLow = sizeof(T) == 4 ? T(-2.12194440e-4) : T(1.42860682030941723212e-6);
   const V r = (y - n * kLogTwoHigh) - n * kLogTwoLow;
-  constexpr int kDegree = sizeof(T) == 4 ? 7 : 13;
-  V sum(T(1));
-  for (int k = kDegree; k >= 1; --k) sum = sum * r * (T(1) / T(k)) + T(1);
+  const V sum = T(1) + r * exponential_less_one_over(r);
   const IntVector exponent = __builtin_convertvector(same_bytes<FloatVector>(n), IntVector) + Bits::kBias;
   return sum * same_bytes<V>(exponent << Bits::kMantissa);
 }

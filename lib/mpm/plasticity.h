@@ -8,10 +8,11 @@
 
 namespace physmas::mpm {
 
-// value_i → mean + keep (value_i − old mean), for principal strains or stresses.
+// value_i → mean + keep (value_i − old mean), for principal strains or stresses. size: of the deviator that is left, so
+// that who needs it need not wait for the division behind `keep`.
 template <class T>
 struct Radial {
-  T mean, keep;
+  T mean, keep, size;
 };
 
 // Drucker–Prager stress cone |dev τ| <= max(0, k − α tr τ). Beyond the apex the hydrostatic tension is cut to k/α, so
@@ -20,19 +21,19 @@ template <class T>
 PHYSMAS_INLINE Radial<T> project_to_cone(const T& mean, const T& size, const MaterialParameters<T>& p) {
   const T cut = at_most(mean, p.apex);
   const T limit = at_least(p.cohesion - Scalar<T>(3) * (p.alpha * cut), T(0));
-  return {cut, select(size > limit, limit / at_least(size, T(kTiny<T>)), T(1))};
+  return {cut, select(size > limit, limit / at_least(size, T(kTiny<T>)), T(1)), at_most(size, limit)};
 }
 
 // Sand's return map (Klar et al. 2016, without their volume correction): tension returns to the apex (no strain),
 // anything else to the cone along the deviator. mean, size: of the logarithmic strain. `moved`: where it changes.
 template <class T, class Condition>
 PHYSMAS_INLINE Radial<T> sand_return(const T& mean, const T& size, const MaterialParameters<T>& p, Condition& moved) {
-  const T limit = Scalar<T>(-3) * p.strain_friction * mean;
+  const T limit = at_least(Scalar<T>(-3) * p.strain_friction * mean, T(0));
   const auto tension = mean > T(0);
   const auto outside = size > limit;
-  const T keep = select(outside, at_least(limit, T(0)) / at_least(size, T(kTiny<T>)), T(1));
+  const T keep = select(outside, limit / at_least(size, T(kTiny<T>)), T(1));
   moved = tension || outside;
-  return {select(tension, T(0), mean), select(tension, T(0), keep)};
+  return {select(tension, T(0), mean), select(tension, T(0), keep), select(tension, T(0), at_most(size, limit))};
 }
 
 // Foam's viscoplastic return map for StVK–Hencky (Yue et al. 2015): beyond |dev τ| = sqrt(2/3) yield the stress relaxes
@@ -46,7 +47,8 @@ PHYSMAS_INLINE Radial<T> foam_return(const T& mean, const T& size, const T& trac
   moved = excess > T(0);
   const T stiffness = two_mu * Scalar<T>(1.0 / 3.0) * trace_b * dt;
   const T lost = excess * stiffness / at_least((stiffness + p.viscosity) * stress, T(kTiny<T>));
-  return {mean, select(moved, T(1) - lost, T(1))};
+  const T keep = select(moved, T(1) - lost, T(1));
+  return {mean, keep, keep * size};
 }
 
 // Plasticine's von Mises return map with damage: the strength falls by softening × |plastic strain increment|, never
@@ -56,9 +58,9 @@ PHYSMAS_INLINE Radial<T> plasticine_return(const T& mean, const T& size, const M
                                            Condition& moved) {
   const T limit = Scalar<T>(0.81649658092772603) * yield * p.inverse_mu;
   moved = size > limit;
-  const T keep = select(moved, limit / at_least(size, T(kTiny<T>)), T(1));
+  const T keep = select(moved, limit / at_least(size, T(kTiny<T>)), T(1)), left = at_most(size, limit);
   yield = select(moved, at_least(yield - p.softening * (size - limit), at_most(p.residual_yield, yield)), yield);
-  return {mean, keep};
+  return {mean, keep, left};
 }
 
 // The return map of a branch; Snow has none. Arguments as above.
@@ -70,7 +72,7 @@ PHYSMAS_INLINE Radial<T> return_map(Branch branch, const MaterialParameters<T>& 
   if (branch == Branch::plasticine) {
     return plasticine_return(mean, size, p, strength, moved);
   }
-  return {mean, T(1)};
+  return {mean, T(1), size};
 }
 
 constexpr bool has_stress_cone(Branch branch) {

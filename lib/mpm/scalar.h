@@ -31,12 +31,35 @@ constexpr Scalar<T> kEpsilon = std::numeric_limits<Scalar<T>>::epsilon();
 template <class T>
 constexpr Scalar<T> kTiny = std::numeric_limits<Scalar<T>>::min() * Scalar<T>(1e4);
 
-// Σ c_k x^k.
+// Σ c_k x^k by pairs of terms, pairs of pairs and so on (Estrin's scheme): no multiplication waits for more than
+// log2 N others, and the formulas here wait more than they work.
 template <class T, int N>
 PHYSMAS_INLINE T polynomial(const T& x, const double (&c)[N]) {
-  T sum(static_cast<Scalar<T>>(c[N - 1]));
-  for (int k = N - 2; k >= 0; --k) sum = sum * x + T(static_cast<Scalar<T>>(c[k]));
-  return sum;
+  T sum[(N + 1) / 2];
+  for (int k = 0; k < N; k += 2) {
+    sum[k / 2] = T(static_cast<Scalar<T>>(c[k]));
+    if (k + 1 < N) sum[k / 2] = sum[k / 2] + x * T(static_cast<Scalar<T>>(c[k + 1]));
+  }
+  T power = x;
+  for (int count = (N + 1) / 2; count > 1; count = (count + 1) / 2) {
+    power = power * power;
+    for (int k = 0; k < count; k += 2) {
+      sum[k / 2] = sum[k];
+      if (k + 1 < count) sum[k / 2] = sum[k / 2] + power * sum[k + 1];
+    }
+  }
+  return sum[0];
+}
+
+// (exp(x) − 1) / x for |x| <= log(2) / 2, within 4 ulp.
+template <class T>
+PHYSMAS_INLINE T exponential_less_one_over(const T& x) {
+  if constexpr (sizeof(Scalar<T>) == 4) {
+    return polynomial(x, {1.0, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040});
+  } else {
+    return polynomial(x, {1.0, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040, 1.0 / 40320,
+                          1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800});
+  }
 }
 
 PHYSMAS_INLINE float select(bool condition, float yes, float no) {

@@ -124,7 +124,8 @@ TEST_CASE("ground: prompts and what they compile to") {
       {"a quiet scene", ""},
       {"from above, press the cake", "top_press >cake down"},
   };
-  for (const auto& [prompt, expected] : kTable) {
+  for (const auto& entry : kTable) {
+    const auto &prompt = entry.first, &expected = entry.second;
     CAPTURE(prompt);
     std::string found;
     try {
@@ -160,7 +161,8 @@ TEST_CASE("ground: every action of the vocabulary has words") {
       {"compress the cake", "vertical_compress >cake down"},
       {"the hammer twists the cake", "torque >cake up"},
       {"the hammer squeezes the cake", "translation hammer>cake down*"}};
-  for (const auto& [prompt, expected] : kTable) {
+  for (const auto& entry : kTable) {
+    const auto &prompt = entry.first, &expected = entry.second;
     CAPTURE(prompt);
     std::string found;
     try {
@@ -265,7 +267,8 @@ TEST_CASE("ground: the inventory without an author comes from the prompt's noun"
       {"a hand presses the cake", "cake"},
       {"it falls", "object"},
       {"the head of the statue is pushed to the left", "statue-head"}};
-  for (const auto& [prompt, id] : kTable) {
+  for (const auto& entry : kTable) {
+    const auto &prompt = entry.first, &id = entry.second;
     CAPTURE(prompt);
     Inventory inventory = inventory_from_prompt(prompt);
     CHECK(inventory.objects[0].id == id);
