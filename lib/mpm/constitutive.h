@@ -34,7 +34,8 @@ constexpr bool has_potential(Branch branch) {
   return branch == Branch::jelly || branch == Branch::metal || branch == Branch::foam;
 }
 
-// Whether a branch works with principal stretches: eigenvalues of F Fᵀ or singular values of F.
+// Whether a branch takes functions of the principal stretches: by polynomials of F Fᵀ, or by singular values of F where
+// those end.
 constexpr bool needs_principal_stretches(Branch branch) {
   return branch != Branch::jelly;
 }

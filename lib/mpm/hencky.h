@@ -86,7 +86,7 @@ PHYSMAS_INLINE Vec3<T> project_to_cone(const Vec3<T>& tau, const MaterialParamet
 }
 
 // One step by singular values: updates F (where it yields; elsewhere it stays bit for bit) and the strength of
-// plasticine, and returns the Kirchhoff stress. The reference for the closed form below.
+// plasticine, and returns the Kirchhoff stress. The reference for the polynomials below.
 template <class T>
 inline Mat3<T> update_hencky_by_svd(Branch branch, const MaterialParameters<T>& p, const T& dt, Mat3<T>& F,
                                     T& strength) {
@@ -94,8 +94,9 @@ inline Mat3<T> update_hencky_by_svd(Branch branch, const MaterialParameters<T>& 
   decltype(p.mu > p.mu) moved = T(1) < T(0);
   T trace_b(0);
   for (int i = 0; i < 3; ++i) trace_b += exponential(q.strain[i] + q.strain[i]);
-  const Radial<T> map = return_map(branch, p, Scalar<T>(1.0 / 3.0) * sum(q.strain), norm(deviator(q.strain)), trace_b,
-                                   dt, strength, moved);
+  const T squared_size = dot(deviator(q.strain), deviator(q.strain));
+  const Radial<T> map = return_map(branch, p, Scalar<T>(1.0 / 3.0) * sum(q.strain), square_root(squared_size),
+                                   T(1) / at_least(squared_size, T(kTiny<T>)), trace_b, dt, strength, moved);
   const Vec3<T> strain = apply(map, q.strain);
   if (any(moved)) {
     Mat3<T> scaled = q.svd.Vt;
@@ -108,62 +109,110 @@ inline Mat3<T> update_hencky_by_svd(Branch branch, const MaterialParameters<T>& 
   return from_principal(q.svd.U, tau);
 }
 
-// ---- In closed form: every τ_i is a mean plus a multiple of the deviatoric strain, and the plastic update is
-// F ← exp(ε' − ε) F, so both are isotropic functions of b = F Fᵀ.
+// ---- As polynomials of tensors: every τ_i is a mean plus a multiple of the deviatoric strain, and the plastic update
+// is F ← exp(ε' − ε) F.
 
-// exp(ε' − ε) − 1 with ε' = map(ε): eigenvalues exp(x_i) − 1, x_i = shift + (keep − 1) dev ε_i. difference: divided
-// differences of the strain, number 1 to 2 and 2 to 3; inverse: of the gap 1 to 3.
+// ε = mean I + deviator, with the square of the deviator's norm.
 template <class T>
-PHYSMAS_INLINE Symmetric<T> plastic_increment(const Spectrum<T>& q, const Vec3<T>& deviatoric, const T& mean,
-                                              const Radial<T>& map, const T& difference12, const T& difference23,
-                                              const T& inverse) {
+struct HenckyStrain {
+  T mean, squared_size;
+  Symmetric<T> deviator;
+};
+
+// log S of S = m (I + A), times `factor`.
+template <class T>
+PHYSMAS_INLINE HenckyStrain<T> logarithm(const Deviation<T>& S, Scalar<T> factor) {
+  const Quadratic<T> c = log_of_one_plus(S);
+  const T third = Scalar<T>(2.0 / 3.0) * (c.c2 * S.q);  // tr A² = 2 q
+  const T c1 = factor * c.c1, c2 = factor * c.c2;
+  HenckyStrain<T> e;
+  e.mean = factor * (natural_log(S.mean) + (c.c0 + third));
+  e.deviator = evaluate<T>({-(factor * third), c1, c2}, S.A, S.A2);
+  // |c1 A + c2 (A² − 2/3 q I)|² with tr A³ = 3 r and tr A⁴ = 2 q².
+  e.squared_size = (S.q + S.q) * (c1 * c1) + c2 * (Scalar<T>(6) * (S.r * c1) + Scalar<T>(2.0 / 3.0) * (S.q * S.q) * c2);
+  e.squared_size = at_least(e.squared_size, T(0));
+  return e;
+}
+
+template <class T>
+PHYSMAS_INLINE HenckyStrain<T> select(const decltype(T() < T())& condition, const HenckyStrain<T>& yes,
+                                      const HenckyStrain<T>& no) {
+  return {select(condition, yes.mean, no.mean), select(condition, yes.squared_size, no.squared_size),
+          from_matrix(select(condition, to_matrix(yes.deviator), to_matrix(no.deviator)))};
+}
+
+// For stretches that differ too much for ½ log b: ε = log V with the left stretch V = F Rᵀ. Returns where that does,
+// never where `done`; the other strains stay as they are.
+template <class T, class Condition>
+__attribute__((noinline)) Condition strain_of_left_stretch(const Mat3<T>& F, const T& J, const Condition& done,
+                                                           HenckyStrain<T>& strain) {
+  const Mat3<T> V = times_transposed(F, polar_rotation(F));
+  const Deviation<T> S = deviation(from_matrix(T(Scalar<T>(0.5)) * (V + transpose(V))));
+  constexpr double kLow = 1.1 * kStretchFloor / (1 - kDeviationRange<T>);
+  constexpr double kHigh = 0.5 * kDeformationCap;
+  const auto good = !done && J > T(0) && S.mean > T(static_cast<Scalar<T>>(kLow)) &&
+                    S.mean < T(static_cast<Scalar<T>>(kHigh)) && in_range(S);
+  strain = select(good, logarithm(S, Scalar<T>(1)), strain);
+  return good;
+}
+
+// F after the plastic update of strains, where `moved`.
+template <class T, class Condition>
+PHYSMAS_INLINE Mat3<T> plastic_update(const Mat3<T>& F, const HenckyStrain<T>& strain, const Radial<T>& map,
+                                      const Condition& moved) {
   using S = Scalar<T>;
-  const T power = map.keep - T(1), shift = map.mean - mean, half = S(0.5) * power;
-  // exp x_i − exp x_j = 2 exp((x_i + x_j) / 2) sinh((x_i − x_j) / 2), and the x_i add up to 3 shift.
-  const T x1 = shift + power * deviatoric.x, x12 = shift - half * deviatoric.z, x23 = shift - half * deviatoric.x;
-  const T y12 = half * (deviatoric.x - deviatoric.y), y23 = half * (deviatoric.y - deviatoric.z);
-  T less_one, g12, g23;
-  const T most = at_least(at_least(absolute(x1), absolute(x12)), absolute(x23));
-  if (all(most < T(S(0.25)))) {  // so |y| < 1/2: a step's plastic strain is small
-    less_one = x1 * exponential_less_one_over(x1);
-    g12 = (T(1) + x12 * exponential_less_one_over(x12)) * sinh_series(y12);
-    g23 = (T(1) + x23 * exponential_less_one_over(x23)) * sinh_series(y23);
-  } else {
-    less_one = exponential(x1) - T(1);
-    g12 = exponential(x12) * sinh_over(y12);
-    g23 = exponential(x23) * sinh_over(y23);
-  }
-  g12 = g12 * (power * difference12);
-  g23 = g23 * (power * difference23);
-  return isotropic(q, less_one, g12, (g12 - g23) * inverse);
+  // exp(shift I + power D) F, where the deviator's part is small enough for its series or, rarely, four times a
+  // quarter.
+  T power = map.keep - T(1);
+  const auto large = strain.squared_size * (power * power) > T(S(0.0625));
+  const bool parts = any(large && moved);
+  if (parts) power = select(large, S(0.25) * power, power);
+  const T squared = power * power;
+  const Quadratic<T> c =
+      exponential_less_one(squared * (S(0.5) * strain.squared_size), squared * power * determinant(strain.deviator));
+  const Mat3<T> G =
+      to_matrix(evaluate<T>({c.c0, c.c1 * power, c.c2 * squared}, strain.deviator, square(strain.deviator)));
+  Mat3<T> moved_F = F + G * F;
+  for (int k = 1; parts && k < 4; ++k) moved_F = select(large, moved_F + G * moved_F, moved_F);
+  const T shift = map.mean - strain.mean;
+  const auto swells = absolute(shift) > T(0);
+  if (any(swells && moved)) moved_F = select(swells, exponential(shift) * moved_F, moved_F);
+  return select(moved, moved_F, F);
 }
 
 template <class T>
 PHYSMAS_INLINE Mat3<T> update_hencky(Branch branch, const MaterialParameters<T>& p, const T& dt, Mat3<T>& F,
                                      T& strength) {
   using S = Scalar<T>;
-  const Spectrum<T> q = spectrum_of_left_cauchy_green(F);
-  const auto ordinary = ordinary_stretch(q, determinant(F));
+  const Deviation<T> b = deviation(left_cauchy_green(F));
+  const T J = determinant(F);
+  HenckyStrain<T> strain = logarithm(b, S(0.5));
+  auto ordinary = ordinary_stretch(b, J);
   Mat3<T> other_tau{}, other_F = F;
   T other_strength = strength;
-  const bool exceptional = !all(ordinary);
-  if (exceptional) other_tau = update_hencky_by_svd(branch, p, dt, other_F, other_strength);
-
-  Vec3<T> strain;
-  for (int i = 0; i < 3; ++i) strain[i] = S(0.5) * natural_log(q.value[i]);
-  const T mean = S(1.0 / 3.0) * sum(strain);
-  const Vec3<T> d = {strain.x - mean, strain.y - mean, strain.z - mean};
-  const T size = norm(d);
-  const T gap12 = q.offset.x - q.offset.y, gap23 = q.offset.y - q.offset.z;
-  const T e12 = S(0.5) * log_difference(q.value.x, q.value.y, gap12, strain.x + strain.x, strain.y + strain.y);
-  const T e23 = S(0.5) * log_difference(q.value.y, q.value.z, gap23, strain.y + strain.y, strain.z + strain.z);
-  const T inverse = inverse_gap(q);
-  decltype(p.mu > p.mu) moved = T(1) < T(0);
-  const Radial<T> map = return_map(branch, p, mean, size, S(3) * q.mean, dt, strength, moved);
-  moved = moved && ordinary;
-  if (any(moved)) {
-    F = select(moved, F + to_matrix(plastic_increment(q, d, mean, map, e12, e23, inverse)) * F, F);
+  bool exceptional = false;
+  if (__builtin_expect(!all(ordinary), false)) {
+    // Calls get copies, so that the originals need not be in memory.
+    const Mat3<T> trial = F;
+    HenckyStrain<T> wide = strain;
+    ordinary = ordinary || strain_of_left_stretch(trial, J, ordinary, wide);
+    strain = wide;
+    exceptional = !all(ordinary);
+    if (exceptional) {
+      Mat3<T> updated = F;
+      T updated_strength = strength;
+      other_tau = update_hencky_by_svd(branch, p, dt, updated, updated_strength);
+      other_F = updated;
+      other_strength = updated_strength;
+    }
   }
+
+  decltype(p.mu > p.mu) moved = T(1) < T(0);
+  const Radial<T> map =
+      return_map(branch, p, strain.mean, square_root(strain.squared_size),
+                 T(1) / at_least(strain.squared_size, T(kTiny<T>)), S(3) * b.mean, dt, strength, moved);
+  moved = moved && ordinary;
+  if (any(moved)) F = plastic_update(F, strain, map, moved);
   T tau_mean = (p.mu + p.mu + S(3) * p.lambda) * map.mean;
   T tau_keep = (p.mu + p.mu) * map.keep;
   if (has_stress_cone(branch)) {
@@ -171,7 +220,8 @@ PHYSMAS_INLINE Mat3<T> update_hencky(Branch branch, const MaterialParameters<T>&
     tau_mean = cone.mean;
     tau_keep = tau_keep * cone.keep;
   }
-  Mat3<T> tau = to_matrix(isotropic(q, tau_mean + tau_keep * d.x, tau_keep * e12, tau_keep * ((e12 - e23) * inverse)));
+  Mat3<T> tau = tau_keep * to_matrix(strain.deviator);
+  for (int i = 0; i < 3; ++i) tau[i][i] += tau_mean;
   if (exceptional) {
     tau = select(ordinary, tau, other_tau);
     F = select(ordinary, F, other_F);

@@ -21,14 +21,14 @@ PHYSMAS_INLINE Mat3<T> cap_deformation(const Mat3<T>& F) {
   return select(largest > cap, cap / at_least(largest, cap), T(1)) * F;
 }
 
-// Whether all stretches lie well inside the range in which closed forms of b = F Fᵀ keep their digits and no law is
-// continued: above the floor, at most a factor of thirty from one another, below the cap, and not inverted.
+// Whether all stretches lie well inside the range in which the polynomials of b = F Fᵀ hold and no law is continued:
+// above the floor, not inverted, no entry of F beyond the cap.
 template <class T>
-PHYSMAS_INLINE auto ordinary_stretch(const Spectrum<T>& q, const T& J) {
-  using S = Scalar<T>;
-  const T low = smallest(q.value);
-  constexpr double kCap = 0.5 * kDeformationCap * kDeformationCap;
-  return J > T(0) && low > T(S(1.1 * kStretchFloor * kStretchFloor)) && low > S(1e-3) * q.mean && q.mean < T(S(kCap));
+PHYSMAS_INLINE auto ordinary_stretch(const Deviation<T>& b, const T& J) {
+  constexpr double kLow = 1.1 * kStretchFloor * kStretchFloor / (1 - kDeviationRange<T>);
+  constexpr double kHigh = 0.3 * kDeformationCap * kDeformationCap;
+  return J > T(0) && b.mean > T(static_cast<Scalar<T>>(kLow)) && b.mean < T(static_cast<Scalar<T>>(kHigh)) &&
+         in_range(b);
 }
 
 // ---- Jelly: compressible neo-Hookean, Ψ = μ/2 (g(J) tr b − 3) + U(J), b = F Fᵀ, g = J^(−2/3), U' = κ/2 (J − 1/J).
@@ -93,19 +93,20 @@ PHYSMAS_INLINE Mat3<T> metal_stress_by_rotation(const Mat3<T>& F_any, const T& m
   return tau;
 }
 
-// (F − R) Fᵀ = b − V with V = R Fᵀ the left stretch: its closed form where F is an ordinary stretch, the polar
+// (F − R) Fᵀ = b − V with V = R Fᵀ = √b the left stretch: a polynomial of b where F is an ordinary stretch, the polar
 // decomposition for the rest.
 template <class T>
 PHYSMAS_INLINE Mat3<T> metal_stress(const Mat3<T>& F, const T& mu, const T& lambda) {
-  const Spectrum<T> q = spectrum_of_left_cauchy_green(F);
+  const Deviation<T> b = deviation(left_cauchy_green(F));
   const T J = determinant(F);
-  const Symmetric<T> V = left_stretch(q);
-  const Symmetric<T>& A = q.deviator;
-  Mat3<T> tau = (mu + mu) * to_matrix(Symmetric<T>{q.mean + A.xx - V.xx, q.mean + A.yy - V.yy, q.mean + A.zz - V.zz,
-                                                   A.xy - V.xy, A.xz - V.xz, A.yz - V.yz});
+  // b − √b of b = m (I + A): m A − √m (√(I + A) − I), and m − √m on the diagonal.
+  const Quadratic<T> root = root_of_one_plus(b);
+  const T scale = square_root(b.mean), two_mu = mu + mu;
   const T pressure = lambda * (J - T(1)) * J;
-  tau[0].x += pressure, tau[1].y += pressure, tau[2].z += pressure;
-  const auto ordinary = ordinary_stretch(q, J);
+  Mat3<T> tau = to_matrix(evaluate<T>({two_mu * (b.mean - scale - scale * root.c0) + pressure,
+                                       two_mu * (b.mean - scale * root.c1), -(two_mu * (scale * root.c2))},
+                                      b.A, b.A2));
+  const auto ordinary = ordinary_stretch(b, J);
   if (!all(ordinary)) tau = select(ordinary, tau, metal_stress_by_rotation(F, mu, lambda));
   return tau;
 }

@@ -1,9 +1,6 @@
-// Isotropic functions of b = F Fᵀ in closed form: f(b) = Σ f(λ_i) n_i n_iᵀ without eigenvectors.
-//
-// Newton interpolation at the eigenvalues gives f(b) = f₁ I + f₁₂ (b − λ₁) + f₁₂₃ (b − λ₁)(b − λ₂) with divided
-// differences f₁₂, f₁₂₃. An error δ of one eigenvalue enters multiplied by its distance from the others, so nearly
-// equal eigenvalues, which any formula of the cubic finds with few digits, do no harm as long as the first divided
-// differences are exact for the numbers they are given.
+// Isotropic functions of a symmetric tensor S without its eigenvalues: f(S) as a polynomial of S, which by Cayley and
+// Hamilton is a quadratic whose three coefficients take two multiplications per degree. Nearly equal eigenvalues are
+// nothing special, and nothing is divided by their distance.
 #ifndef PHYSMAS_MPM_ISOTROPIC_H
 #define PHYSMAS_MPM_ISOTROPIC_H
 
@@ -20,143 +17,179 @@ template <class T>
 PHYSMAS_INLINE Mat3<T> to_matrix(const Symmetric<T>& a) {
   return {{{a.xx, a.xy, a.xz}, {a.xy, a.yy, a.yz}, {a.xz, a.yz, a.zz}}};
 }
-
-// The spectrum of b = F Fᵀ. Number 1 is the eigenvalue that lies farthest from the other two, 3 is the farthest from 1.
 template <class T>
-struct Spectrum {
-  T mean;                  // tr b / 3
-  Vec3<T> offset;          // λ_i − mean
-  Vec3<T> value;           // λ_i
-  Symmetric<T> deviator;   // b − mean I
-  Symmetric<T> quadratic;  // (b − λ₁)(b − λ₂)
+PHYSMAS_INLINE Symmetric<T> from_matrix(const Mat3<T>& a) {
+  return {a[0].x, a[1].y, a[2].z, a[0].y, a[0].z, a[1].z};
+}
+template <class T>
+PHYSMAS_INLINE T trace(const Symmetric<T>& a) {
+  return a.xx + a.yy + a.zz;
+}
+// |a|² of a matrix, its off-diagonal entries counted twice.
+template <class T>
+PHYSMAS_INLINE T squared_norm(const Symmetric<T>& a) {
+  const T outer = a.xy * a.xy + a.xz * a.xz + a.yz * a.yz;
+  return (a.xx * a.xx + a.yy * a.yy + a.zz * a.zz) + (outer + outer);
+}
+template <class T>
+PHYSMAS_INLINE T determinant(const Symmetric<T>& a) {
+  return a.xx * (a.yy * a.zz - a.yz * a.yz) + a.xy * (a.yz * a.xz - a.xy * a.zz) + a.xz * (a.xy * a.yz - a.yy * a.xz);
+}
+template <class T>
+PHYSMAS_INLINE Symmetric<T> square(const Symmetric<T>& a) {
+  const T xy2 = a.xy * a.xy, xz2 = a.xz * a.xz, yz2 = a.yz * a.yz;
+  return {a.xx * a.xx + (xy2 + xz2),          a.yy * a.yy + (xy2 + yz2),          a.zz * a.zz + (xz2 + yz2),
+          a.xy * (a.xx + a.yy) + a.xz * a.yz, a.xz * (a.xx + a.zz) + a.xy * a.yz, a.yz * (a.yy + a.zz) + a.xy * a.xz};
+}
+// F Fᵀ.
+template <class T>
+PHYSMAS_INLINE Symmetric<T> left_cauchy_green(const Mat3<T>& F) {
+  return {dot(F[0], F[0]), dot(F[1], F[1]), dot(F[2], F[2]), dot(F[0], F[1]), dot(F[0], F[2]), dot(F[1], F[2])};
+}
+
+// c0 I + c1 A + c2 A².
+template <class T>
+struct Quadratic {
+  T c0, c1, c2;
+};
+template <class T>
+PHYSMAS_INLINE Symmetric<T> evaluate(const Quadratic<T>& c, const Symmetric<T>& A, const Symmetric<T>& A2) {
+  return {c.c0 + c.c1 * A.xx + c.c2 * A2.xx, c.c0 + c.c1 * A.yy + c.c2 * A2.yy, c.c0 + c.c1 * A.zz + c.c2 * A2.zz,
+          c.c1 * A.xy + c.c2 * A2.xy,        c.c1 * A.xz + c.c2 * A2.xz,        c.c1 * A.yz + c.c2 * A2.yz};
+}
+
+// Σ c_k A^(k+1) for A without a trace: A³ = q A + r I, q = |A|² / 2, r = det A. Horner's scheme.
+template <class T, int N>
+PHYSMAS_INLINE Quadratic<T> polynomial_of_tensor(const T& q, const T& r, const double (&c)[N]) {
+  using S = Scalar<T>;
+  Quadratic<T> sum = {T(static_cast<S>(c[N - 3])), T(static_cast<S>(c[N - 2])), T(static_cast<S>(c[N - 1]))};
+  for (int k = N - 4; k >= 0; --k) sum = {r * sum.c2 + T(static_cast<S>(c[k])), q * sum.c2 + sum.c0, sum.c1};
+  return {r * sum.c2, q * sum.c2 + sum.c0, sum.c1};
+}
+
+// S = m (I + A), m = tr S / 3.
+template <class T>
+struct Deviation {
+  T mean;              // m
+  Symmetric<T> A, A2;  // A and its square
+  T q, r;              // |A|² / 2, det A
 };
 
-// Roots of the characteristic cubic as 2 p cos φ with cos 3φ = r. For t = cos φ that is 4 t³ − 3 t = r; with r >= 0, t
-// lies in [√3/2, 1], where Newton's iteration is well conditioned; r < 0 is the mirror image.
 template <class T>
-PHYSMAS_INLINE Spectrum<T> spectrum_of_left_cauchy_green(const Mat3<T>& F) {
-  using S = Scalar<T>;
-  const T xx = dot(F[0], F[0]), yy = dot(F[1], F[1]), zz = dot(F[2], F[2]);
-  Spectrum<T> q;
-  q.mean = S(1.0 / 3.0) * (xx + yy + zz);
-  Symmetric<T>& A = q.deviator;
-  A = {xx - q.mean, yy - q.mean, zz - q.mean, dot(F[0], F[1]), dot(F[0], F[2]), dot(F[1], F[2])};
-  const T xy2 = A.xy * A.xy, xz2 = A.xz * A.xz, yz2 = A.yz * A.yz;
-  const T outer = xy2 + xz2 + yz2;
-  const T p2 = S(1.0 / 6.0) * (A.xx * A.xx + A.yy * A.yy + A.zz * A.zz + (outer + outer));
-  const T p = square_root(p2);
-  const T det = A.xx * (A.yy * A.zz - yz2) - A.yy * xz2 - A.zz * xy2 + S(2) * (A.xy * A.xz * A.yz);
-  // r = det / 2 p³, without waiting for the root. Where b is a multiple of I to rounding, any r will do.
-  const T inverse = T(1) / at_least(p2, S(1e-18) * (q.mean * q.mean) + T(kTiny<T>));
-  const T ratio = (S(0.5) * det * inverse) * (inverse * p);
-  const auto mirrored = ratio < T(0);
-  const T r = at_most(absolute(ratio), T(1));
-  // t and s = √3 sin φ, interpolated at Chebyshev nodes.
-  T t, s;
-  if constexpr (sizeof(S) == 4) {
-    // Within 1.4e-8 both.
-    t = polynomial(r, {0.866025416, 0.166665043, -0.0480773503, 0.0243923838, -0.0142895648, 0.00766430176,
-                       -0.0029228305, 0.000542607713});
-    s = square_root(T(1) - r) * polynomial(r, {0.866025395, -0.0669862248, 0.0266237455, -0.0147995785, 0.0090199563,
-                                               -0.00493061026, 0.00189791456, -0.000354021966});
-  } else {
-    // Within 5e-6, and each of Newton's steps doubles the digits.
-    t = polynomial(
-        r, {0.866030432022691, 0.16641172178759583, -0.045921933130763676, 0.01751218857521032, -0.004035398716655251});
-    for (int k = 0; k < 2; ++k) {
-      const T t2 = t * t;
-      t = (S(8) * t * t2 + r) / (S(12) * t2 - T(3));
-    }
-    s = S(1.7320508075688772) * square_root(at_least(T(1) - t * t, T(0)));
-  }
-  const T size = select(mirrored, -p, p);
-  q.offset = {size * (t + t), size * (s - t), -(size * (s + t))};
-  for (int i = 0; i < 3; ++i) q.value[i] = q.mean + q.offset[i];
-  // A² + a₃ A + a₁ a₂, since the offsets a sum to zero.
-  const T& a3 = q.offset.z;
-  const T product = q.offset.x * q.offset.y;
-  q.quadratic = {A.xx * (A.xx + a3) + (xy2 + xz2) + product, A.yy * (A.yy + a3) + (xy2 + yz2) + product,
-                 A.zz * (A.zz + a3) + (xz2 + yz2) + product, A.xy * (A.xx + A.yy + a3) + A.xz * A.yz,
-                 A.xz * (A.xx + A.zz + a3) + A.xy * A.yz,    A.yz * (A.yy + A.zz + a3) + A.xy * A.xz};
-  return q;
+PHYSMAS_INLINE Deviation<T> deviation(const Symmetric<T>& S) {
+  Deviation<T> d;
+  d.mean = Scalar<T>(1.0 / 3.0) * trace(S);
+  const T inverse = T(1) / at_least(d.mean, T(kTiny<T>));
+  d.A = {inverse * (S.xx - d.mean),
+         inverse * (S.yy - d.mean),
+         inverse * (S.zz - d.mean),
+         inverse * S.xy,
+         inverse * S.xz,
+         inverse * S.yz};
+  d.A2 = square(d.A);
+  d.q = Scalar<T>(0.5) * squared_norm(d.A);
+  d.r = determinant(d.A);
+  return d;
 }
 
+// The polynomials below hold where no eigenvalue of S is further from the mean than this part of it; eigenvalues of A
+// are at most 2 √(q/3). For b = F Fᵀ that means principal stretches within a factor of 1.6 to 2.1 (float), 1.4 to 1.6
+// (double).
 template <class T>
-PHYSMAS_INLINE T smallest(const Vec3<T>& a) {
-  return at_most(at_most(a.x, a.y), a.z);
-}
+constexpr double kDeviationRange = sizeof(Scalar<T>) == 4 ? 0.7 : 0.5;
 template <class T>
-PHYSMAS_INLINE T largest(const Vec3<T>& a) {
-  return at_least(at_least(a.x, a.y), a.z);
-}
-
-// f(b) from f₁ and the divided differences f₁₂ and f₁₂₃.
-template <class T>
-PHYSMAS_INLINE Symmetric<T> isotropic(const Spectrum<T>& q, const T& f1, const T& f12, const T& f123) {
-  const Symmetric<T>&A = q.deviator, &D = q.quadratic;
-  const T diagonal = f1 - f12 * q.offset.x;
-  return {diagonal + f12 * A.xx + f123 * D.xx,
-          diagonal + f12 * A.yy + f123 * D.yy,
-          diagonal + f12 * A.zz + f123 * D.zz,
-          f12 * A.xy + f123 * D.xy,
-          f12 * A.xz + f123 * D.xz,
-          f12 * A.yz + f123 * D.yz};
+PHYSMAS_INLINE auto in_range(const Deviation<T>& d) {
+  return d.q < T(static_cast<Scalar<T>>(0.75 * kDeviationRange<T> * kDeviationRange<T>));
 }
 
-// 1 / (λ₁ − λ₃), which makes (f₁₂ − f₂₃) the second difference f₁₂₃. Zero where all eigenvalues are the same to
-// rounding: the factor of f₁₂₃ is the square of their distance.
+// log(I + A): Σ c_k x^k interpolates log(1 + x) / x at Chebyshev nodes, within 4e-8 for float, 1e-16 for double.
 template <class T>
-PHYSMAS_INLINE T inverse_gap(const Spectrum<T>& q) {
-  const T gap = q.offset.x - q.offset.z;
-  const auto apart = absolute(gap) > kEpsilon<T> * q.mean;
-  return select(apart, T(1) / select(apart, gap, T(1)), T(0));
-}
-
-// (log a − log b) / (a − b) for positive a, b whose logarithms are given. For close numbers the series of
-// 2 atanh(z) / (a − b), z = (a − b) / (a + b): the logarithms' difference has lost its digits there.
-template <class T>
-PHYSMAS_INLINE T log_difference(const T& a, const T& b, const T& gap, const T& log_a, const T& log_b) {
-  using S = Scalar<T>;
-  const T sum = a + b;
-  const auto close = gap * gap < S(0.01) * (sum * sum);
-  const T inverse = T(1) / select(close, sum, gap);
-  const T z = gap * inverse, z2 = z * z;
-  constexpr int kTerms = sizeof(S) == 4 ? 4 : 8;  // z² < 0.01: the first term left out is below rounding
-  T series(S(2) / S(2 * kTerms + 1));
-  for (int k = kTerms - 1; k >= 0; --k) series = series * z2 + T(S(2) / S(2 * k + 1));
-  return select(close, series, log_a - log_b) * inverse;
-}
-
-// sinh(y) / y for |y| < 1/2, within 2 ulp.
-template <class T>
-PHYSMAS_INLINE T sinh_series(const T& y) {
-  const T y2 = y * y;
+PHYSMAS_INLINE Quadratic<T> log_of_one_plus(const Deviation<T>& d) {
   if constexpr (sizeof(Scalar<T>) == 4) {
-    return polynomial(y2, {1.0, 1.0 / 6, 1.0 / 120, 1.0 / 5040});
+    return polynomial_of_tensor(
+        d.q, d.r,
+        {1.0, -0.499999505, 0.333332859, -0.250048001, 0.200046023, -0.165326392, 0.141572197, -0.141525995, 0.12695272,
+         0.00560408185, -0.0102999857, -0.452392461, 0.430504416, 0.613880075, -0.589532697, -0.627953948, 0.59962789});
   } else {
-    return polynomial(y2, {1.0, 1.0 / 6, 1.0 / 120, 1.0 / 5040, 1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800,
-                           1.0 / 1307674368000});
+    return polynomial_of_tensor(d.q, d.r,
+                                {1.0,
+                                 -0.50000000000000122,
+                                 0.33333333333333452,
+                                 -0.24999999999940766,
+                                 0.19999999999942583,
+                                 -0.16666666675157244,
+                                 0.1428571429394435,
+                                 -0.12499999434977042,
+                                 0.11111110563432153,
+                                 -0.10000021115598326,
+                                 0.090909295579308594,
+                                 -0.083328431092942759,
+                                 0.076918325387649363,
+                                 -0.071503481928953144,
+                                 0.066739271602785922,
+                                 -0.061722220599458174,
+                                 0.058069725113328319,
+                                 -0.061111070374531374,
+                                 0.058015487022870712,
+                                 -0.022869596277156674,
+                                 0.021329130323545463,
+                                 -0.13334403053387122,
+                                 0.12863325679149495,
+                                 0.13389890526046439,
+                                 -0.1300648115161751,
+                                 -0.21776403107855093,
+                                 0.21064057596406979});
   }
 }
 
-// sinh(y) / y.
+// √(I + A) − I, likewise.
 template <class T>
-PHYSMAS_INLINE T sinh_over(const T& y) {
-  using S = Scalar<T>;
-  const auto close = absolute(y) < T(S(0.5));
-  const T e = exponential(y);
-  return select(close, sinh_series(y), S(0.5) * (e - T(1) / e) / select(close, T(1), y));
+PHYSMAS_INLINE Quadratic<T> root_of_one_plus(const Deviation<T>& d) {
+  if constexpr (sizeof(Scalar<T>) == 4) {
+    return polynomial_of_tensor(
+        d.q, d.r,
+        {0.5, -0.125000187, 0.062500174, -0.0390483951, 0.027330644, -0.0208100513, 0.0163940595, -0.0102978527,
+         0.0083151602, -0.0221001115, 0.0199136603, 0.0226310673, -0.021281608, -0.035371226, 0.0325857847});
+  } else {
+    return polynomial_of_tensor(d.q, d.r,
+                                {0.5,
+                                 -0.1249999999999991,
+                                 0.062499999999999148,
+                                 -0.039062500000372215,
+                                 0.027343750000353705,
+                                 -0.02050781245437985,
+                                 0.016113281206649239,
+                                 -0.01309204360046538,
+                                 0.010910036635875013,
+                                 -0.0092734473553080464,
+                                 0.0080088792811818581,
+                                 -0.007009425779923206,
+                                 0.0062007499592288938,
+                                 -0.0055149898425757348,
+                                 0.0049624873053694765,
+                                 -0.0046829833907025639,
+                                 0.0042762136648483094,
+                                 -0.0028278370529887283,
+                                 0.0025773961377023822,
+                                 -0.0066737664376262259,
+                                 0.0062698133035188585,
+                                 0.0049390089586709576,
+                                 -0.0047285609973217743,
+                                 -0.011243385825998336,
+                                 0.010643697423303567});
+  }
 }
 
-// V = √b, the symmetric left stretch of F. The divided differences of a square root are rational.
+// exp(D) − I for D without a trace and with eigenvalues of at most 1/4; q and r of D. Taylor's series.
 template <class T>
-PHYSMAS_INLINE Symmetric<T> left_stretch(const Spectrum<T>& q) {
-  Vec3<T> s;
-  for (int i = 0; i < 3; ++i) s[i] = square_root(at_least(q.value[i], T(0)));
-  // f₁₂ = 1 / (s₁ + s₂), f₁₂₃ = −1 / ((s₁ + s₂) (s₂ + s₃) (s₁ + s₃)).
-  const T rest = (s.y + s.z) * (s.x + s.z);
-  const T inverse = T(1) / at_least((s.x + s.y) * rest, T(kTiny<T>));
-  return isotropic(q, s.x, rest * inverse, -inverse);
+PHYSMAS_INLINE Quadratic<T> exponential_less_one(const T& q, const T& r) {
+  if constexpr (sizeof(Scalar<T>) == 4) {
+    return polynomial_of_tensor(q, r, {1.0, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720});
+  } else {
+    return polynomial_of_tensor(q, r,
+                                {1.0, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040, 1.0 / 40320,
+                                 1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600});
+  }
 }
 
 }  // namespace physmas::mpm

@@ -25,13 +25,15 @@ PHYSMAS_INLINE Radial<T> project_to_cone(const T& mean, const T& size, const Mat
 }
 
 // Sand's return map (Klar et al. 2016, without their volume correction): tension returns to the apex (no strain),
-// anything else to the cone along the deviator. mean, size: of the logarithmic strain. `moved`: where it changes.
+// anything else to the cone along the deviator. mean, size: of the logarithmic strain; inverse: 1 / size. `moved`:
+// where it changes.
 template <class T, class Condition>
-PHYSMAS_INLINE Radial<T> sand_return(const T& mean, const T& size, const MaterialParameters<T>& p, Condition& moved) {
+PHYSMAS_INLINE Radial<T> sand_return(const T& mean, const T& size, const T& inverse, const MaterialParameters<T>& p,
+                                     Condition& moved) {
   const T limit = at_least(Scalar<T>(-3) * p.strain_friction * mean, T(0));
   const auto tension = mean > T(0);
   const auto outside = size > limit;
-  const T keep = select(outside, limit / at_least(size, T(kTiny<T>)), T(1));
+  const T keep = select(outside, limit * inverse, T(1));
   moved = tension || outside;
   return {select(tension, T(0), mean), select(tension, T(0), keep), select(tension, T(0), at_most(size, limit))};
 }
@@ -39,39 +41,39 @@ PHYSMAS_INLINE Radial<T> sand_return(const T& mean, const T& size, const Materia
 // Foam's viscoplastic return map for StVK–Hencky (Yue et al. 2015): beyond |dev τ| = sqrt(2/3) yield the stress relaxes
 // towards the yield surface at a rate set by the viscosity (0: at once). trace_b: tr b of the trial state; dt: [s].
 template <class T, class Condition>
-PHYSMAS_INLINE Radial<T> foam_return(const T& mean, const T& size, const T& trace_b, const MaterialParameters<T>& p,
-                                     const T& dt, Condition& moved) {
+PHYSMAS_INLINE Radial<T> foam_return(const T& mean, const T& size, const T& inverse, const T& trace_b,
+                                     const MaterialParameters<T>& p, const T& dt, Condition& moved) {
   const T two_mu = p.mu + p.mu;
-  const T stress = two_mu * size;
-  const T excess = stress - Scalar<T>(0.81649658092772603) * p.yield;
-  moved = excess > T(0);
+  const T limit = Scalar<T>(0.81649658092772603) * p.yield * p.inverse_mu;
+  moved = size > limit;
   const T stiffness = two_mu * Scalar<T>(1.0 / 3.0) * trace_b * dt;
-  const T lost = excess * stiffness / at_least((stiffness + p.viscosity) * stress, T(kTiny<T>));
-  const T keep = select(moved, T(1) - lost, T(1));
+  const T rate = stiffness / at_least(stiffness + p.viscosity, T(kTiny<T>));
+  const T keep = select(moved, T(1) - rate * (T(1) - limit * inverse), T(1));
   return {mean, keep, keep * size};
 }
 
 // Plasticine's von Mises return map with damage: the strength falls by softening × |plastic strain increment|, never
 // below the residual. `yield` is the particle's strength [Pa], updated.
 template <class T, class Condition>
-PHYSMAS_INLINE Radial<T> plasticine_return(const T& mean, const T& size, const MaterialParameters<T>& p, T& yield,
-                                           Condition& moved) {
+PHYSMAS_INLINE Radial<T> plasticine_return(const T& mean, const T& size, const T& inverse,
+                                           const MaterialParameters<T>& p, T& yield, Condition& moved) {
   const T limit = Scalar<T>(0.81649658092772603) * yield * p.inverse_mu;
   moved = size > limit;
-  const T keep = select(moved, limit / at_least(size, T(kTiny<T>)), T(1)), left = at_most(size, limit);
+  const T keep = select(moved, limit * inverse, T(1)), left = at_most(size, limit);
   yield = select(moved, at_least(yield - p.softening * (size - limit), at_most(p.residual_yield, yield)), yield);
   return {mean, keep, left};
 }
 
-// The return map of a branch; Snow has none. Arguments as above.
+// The return map of a branch; Snow has none. inverse_squared: 1 / size², so that nothing waits for a root and for a
+// division after it. Other arguments as above.
 template <class T, class Condition>
 PHYSMAS_INLINE Radial<T> return_map(Branch branch, const MaterialParameters<T>& p, const T& mean, const T& size,
-                                    const T& trace_b, const T& dt, T& strength, Condition& moved) {
-  if (branch == Branch::sand) return sand_return(mean, size, p, moved);
-  if (branch == Branch::foam) return foam_return(mean, size, trace_b, p, dt, moved);
-  if (branch == Branch::plasticine) {
-    return plasticine_return(mean, size, p, strength, moved);
-  }
+                                    const T& inverse_squared, const T& trace_b, const T& dt, T& strength,
+                                    Condition& moved) {
+  const T inverse = size * inverse_squared;
+  if (branch == Branch::sand) return sand_return(mean, size, inverse, p, moved);
+  if (branch == Branch::foam) return foam_return(mean, size, inverse, trace_b, p, dt, moved);
+  if (branch == Branch::plasticine) return plasticine_return(mean, size, inverse, p, strength, moved);
   return {mean, T(1), size};
 }
 

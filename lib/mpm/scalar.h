@@ -31,24 +31,30 @@ constexpr Scalar<T> kEpsilon = std::numeric_limits<Scalar<T>>::epsilon();
 template <class T>
 constexpr Scalar<T> kTiny = std::numeric_limits<Scalar<T>>::min() * Scalar<T>(1e4);
 
-// Σ c_k x^k by pairs of terms, pairs of pairs and so on (Estrin's scheme): no multiplication waits for more than
-// log2 N others, and the formulas here wait more than they work.
+template <int K, class T>
+PHYSMAS_INLINE T power(const T& x) {
+  if constexpr (K == 1)
+    return x;
+  else {
+    const T root = power<K / 2>(x);
+    return root * root;
+  }
+}
+template <int From, int Count, class T, int N>
+PHYSMAS_INLINE T polynomial_part(const T& x, const double (&c)[N]) {
+  if constexpr (Count == 1)
+    return T(static_cast<Scalar<T>>(c[From]));
+  else {
+    constexpr int kLow = Count <= 2 ? 1 : Count <= 4 ? 2 : Count <= 8 ? 4 : 8;
+    return polynomial_part<From, kLow>(x, c) + power<kLow>(x) * polynomial_part<From + kLow, Count - kLow>(x, c);
+  }
+}
+// Σ c_k x^k by pairs of terms, pairs of pairs and so on (Estrin's scheme), since the formulas here wait more than they
+// work: no multiplication waits for more than log2 N others.
 template <class T, int N>
 PHYSMAS_INLINE T polynomial(const T& x, const double (&c)[N]) {
-  T sum[(N + 1) / 2];
-  for (int k = 0; k < N; k += 2) {
-    sum[k / 2] = T(static_cast<Scalar<T>>(c[k]));
-    if (k + 1 < N) sum[k / 2] = sum[k / 2] + x * T(static_cast<Scalar<T>>(c[k + 1]));
-  }
-  T power = x;
-  for (int count = (N + 1) / 2; count > 1; count = (count + 1) / 2) {
-    power = power * power;
-    for (int k = 0; k < count; k += 2) {
-      sum[k / 2] = sum[k];
-      if (k + 1 < count) sum[k / 2] = sum[k / 2] + power * sum[k + 1];
-    }
-  }
-  return sum[0];
+  static_assert(N <= 16);
+  return polynomial_part<0, N>(x, c);
 }
 
 // (exp(x) − 1) / x for |x| <= log(2) / 2, within 4 ulp.
@@ -57,8 +63,8 @@ PHYSMAS_INLINE T exponential_less_one_over(const T& x) {
   if constexpr (sizeof(Scalar<T>) == 4) {
     return polynomial(x, {1.0, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040});
   } else {
-    return polynomial(x, {1.0, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040, 1.0 / 40320,
-                          1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800});
+    return polynomial(x, {1.0, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040, 1.0 / 40320, 1.0 / 362880,
+                          1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800});
   }
 }
 

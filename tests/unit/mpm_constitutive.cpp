@@ -282,23 +282,29 @@ TEST_CASE("mpm constitutive: a return map leaves what does not yield bit for bit
   }
 }
 
-TEST_CASE("mpm constitutive: closed forms agree with the decompositions, also for nearly equal stretches") {
+TEST_CASE(
+    "mpm constitutive: polynomials agree with the decompositions, for nearly equal and very different stretches") {
   std::mt19937 random(31);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto check = [&](auto zero) {
     using T = decltype(zero);
     using V = Lanes<T>;
     double worst_stress = 0, worst_F = 0;
-    int yielding = 0;
+    int yielding = 0, outside = 0, far_outside = 0;
     for (const Branch branch : kAll) {
       if (branch == Branch::jelly) continue;
       for (int k = 0; k < 3000; ++k) {
         // Stretches of all kinds: far apart, two or three alike to any number of digits, none at all.
         const double spread = std::pow(10.0, -k % 9), pair = std::pow(10.0, -k % 7);
-        const double base = 1 + 0.1 * uniform(random), a = base * (1 + 0.5 * spread * uniform(random));
+        // Some beyond the polynomials of F Fᵀ, where the left stretch takes over.
+        const double width = k % 5 ? 0.5 : 0.9;
+        const double base = 1 + 0.1 * uniform(random), a = base * (1 + width * spread * uniform(random));
         const double b = k % 3 ? a * (1 + 0.5 * pair * uniform(random)) : a;
+        const Mat3d stretch = diagonal(base, a, b);
+        outside += !in_range(deviation(left_cauchy_green(stretch)));
+        far_outside += !in_range(deviation(from_matrix(stretch)));
         const Mat3d U = polar_rotation(random_matrix(random, 1)), W = polar_rotation(random_matrix(random, 1));
-        const Mat3d exact = U * (diagonal(base, a, b) * W);
+        const Mat3d exact = U * (stretch * W);
         const auto p = convert_parameters<V>(parameters(branch));
         Mat3<V> F, other_F;
         for (int i = 0; i < 3; ++i)
@@ -316,7 +322,9 @@ TEST_CASE("mpm constitutive: closed forms agree with the decompositions, also fo
         CHECK(std::fabs(strength[0] - other_strength[0]) < T(64) * kEpsilon<T> * stiffness);
       }
     }
-    // Rounding of F Fᵀ and of its eigenvalues, all of order one; twenty operations deep.
+    CHECK(outside > 300);
+    CHECK(far_outside > 30);
+    // Rounding of F Fᵀ, of order one, and of what follows; twenty operations deep.
     CHECK(worst_stress < 32 * kEpsilon<T>);
     CHECK(worst_F < 32 * kEpsilon<T>);
     CHECK(yielding > 300);
