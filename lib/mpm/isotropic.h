@@ -22,6 +22,10 @@ PHYSMAS_INLINE Symmetric<T> from_matrix(const Mat3<T>& a) {
   return {a[0].x, a[1].y, a[2].z, a[0].y, a[0].z, a[1].z};
 }
 template <class T>
+PHYSMAS_INLINE Symmetric<T> operator*(const T& s, const Symmetric<T>& a) {
+  return {s * a.xx, s * a.yy, s * a.zz, s * a.xy, s * a.xz, s * a.yz};
+}
+template <class T>
 PHYSMAS_INLINE T trace(const Symmetric<T>& a) {
   return a.xx + a.yy + a.zz;
 }
@@ -80,12 +84,7 @@ PHYSMAS_INLINE Deviation<T> deviation(const Symmetric<T>& S) {
   Deviation<T> d;
   d.mean = Scalar<T>(1.0 / 3.0) * trace(S);
   const T inverse = T(1) / at_least(d.mean, T(kTiny<T>));
-  d.A = {inverse * (S.xx - d.mean),
-         inverse * (S.yy - d.mean),
-         inverse * (S.zz - d.mean),
-         inverse * S.xy,
-         inverse * S.xz,
-         inverse * S.yz};
+  d.A = inverse * Symmetric<T>{S.xx - d.mean, S.yy - d.mean, S.zz - d.mean, S.xy, S.xz, S.yz};
   d.A2 = square(d.A);
   d.q = Scalar<T>(0.5) * squared_norm(d.A);
   d.r = determinant(d.A);

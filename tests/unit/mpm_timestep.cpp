@@ -84,6 +84,27 @@ TEST_CASE("mpm stiffness: at rest it is 3 kappa or 2 mu, whichever is larger") {
   }
 }
 
+TEST_CASE("mpm stiffness: principal stretches are the singular values, in order, with the sign of an inversion") {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> entry(-1, 1);
+  double worst = 0;
+  int inverted = 0;
+  for (int k = 0; k < 20000; ++k) {
+    // From nearly the identity, where all are alike, to anything.
+    const double size = std::pow(10.0, -k % 12);
+    Mat3d F = identity<double>();
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) F[i][j] += 2 * size * entry(random);
+    const Vec3d s = svd(F).s, mine = principal_stretches(F);
+    inverted += s.z < 0;
+    for (int i = 0; i < 3; ++i) worst = std::max(worst, std::fabs(mine[i] - s[i]) / s.x);
+    CHECK(mine.x * mine.y * mine.z == doctest::Approx(determinant(F)));
+  }
+  CHECK(inverted > 100);
+  // Roots of eigenvalues that are alike lose half of the digits.
+  CHECK(worst < 2e-8);
+}
+
 TEST_CASE("mpm stiffness: the bound is never below what finite differences of the stress measure") {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> stretch(std::log(0.1), std::log(3.0)), entry(-0.4, 0.4);
