@@ -32,7 +32,7 @@ endif
 CPPFLAGS := -Ilib -I$(BUILD)/gen -isystem /usr/include/hdf5/serial -isystem /usr/include/opencv4 \
             -isystem /usr/include/eigen3 -DPHYSMAS_VERSION='"$(VERSION)"'
 CXXFLAGS := -std=c++17 -march=$(ARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fno-trapping-math \
-            -Wall -Wextra -Wno-unknown-pragmas -Wno-maybe-uninitialized $(if $(WERROR),-Werror) $(EXTRA_CXXFLAGS)
+            -Wall -Wextra -Wno-unknown-pragmas $(if $(findstring clang,$(CXX)),,-Wno-maybe-uninitialized) $(if $(WERROR),-Werror) $(EXTRA_CXXFLAGS)
 , := ,
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
@@ -209,6 +209,10 @@ check-portable: $(BUILD)/gen/embedded_texts.cpp ## Compile the solver for proces
 	$(Q)for arch in $(NARROWER); do \
 	  $(CXX) $(CPPFLAGS) $(CXXFLAGS) -march=$$arch -Wno-psabi -fsyntax-only lib/mpm/stepper.cpp || exit; \
 	  echo "lib/mpm/stepper.cpp compiles for $$arch"; done
+
+ifeq ($(SAN),1)
+export LSAN_OPTIONS := suppressions=$(abspath tests/leaks.supp):print_suppressions=0
+endif
 
 test-unit: $(BUILD)/test/unit ## The C++ tests
 	@$(BUILD)/test/unit

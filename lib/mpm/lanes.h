@@ -8,7 +8,9 @@
 // GCC 12 takes the deliberately undefined registers inside its own AVX-512 headers for a mistake of ours (PR 105593).
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wuninitialized"
+#ifndef __clang__
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <experimental/simd>
 #pragma GCC diagnostic pop
 
