@@ -2,7 +2,6 @@
 #ifndef PHYSMAS_MPM_BLOCK_PASS_H
 #define PHYSMAS_MPM_BLOCK_PASS_H
 
-#include <cstring>
 #include <type_traits>
 
 #include "mpm/apply_control.h"
@@ -68,6 +67,7 @@ class BlockPass {
 
   struct Run;
   struct LaneState;
+  struct Rows;
   LaneControls<T> controls_of(const Run& run, int group, const ControlTable& table) const;
   void move(Run& run, int group, bool forced, const ForcedMotion<V>& motion, LaneState& s) const;
   template <bool kMeasure>
@@ -77,9 +77,9 @@ class BlockPass {
   LaneBits advance(Run& run, int group, int column, GridNumbers<T>& numbers);
   static void scatter_strays(const GridExchange<T>& exchange, T* nodes, const T* x, int column, LaneBits lanes,
                              GridNumbers<T>& numbers);
-  MaterialParameters<V> group_parameters(int group, int first) const;
-  Mat3<V> update_stress(int group, int first, const MaterialParameters<V>& p, const V& dt, Mat3<V>& F,
-                        V& strength) const;
+  Rows rows_of(int group) const;
+  MaterialParameters<V> parameters_of(const Rows& rows) const;
+  Mat3<V> update_stress(const Rows& rows, const V& dt, Mat3<V>& F, V& strength) const;
 
   const StepperSetup& setup_;
   const std::vector<MaterialParameters<T>>& parameters_;
@@ -88,57 +88,63 @@ class BlockPass {
   const ControlTable &before_, &after_;
 };
 
-// Parameters of the lanes of a group: the same in all lanes unless rows are mixed.
+// The rows whose particles a register holds.
 template <class T>
-MaterialParameters<typename BlockPass<T>::V> BlockPass<T>::group_parameters(int group, int first) const {
-  const int common = store_.registers[group].row;
-  if (common >= 0) return convert_parameters<V>(parameters_[common]);
-  alignas(64) T lanes[kMaterialParameterCount][W];
-  int row = 0;
-  for (int l = 0; l < W; ++l) {
-    const int i = store_.particle[first + l];
-    if (i >= 0) row = setup_.row[i];
-    T numbers[kMaterialParameterCount];
-    static_assert(sizeof(numbers) == sizeof(MaterialParameters<T>));
-    std::memcpy(numbers, &parameters_[row], sizeof(numbers));
-    for (int k = 0; k < kMaterialParameterCount; ++k) lanes[k][l] = numbers[k];
+struct BlockPass<T>::Rows {
+  int count = 0, row[W] = {};
+  LaneBits lanes[W];
+
+  void add(int new_row, LaneBits its_lanes) {
+    int k = 0;
+    while (k < count && row[k] != new_row) ++k;
+    if (k == count) {
+      row[count] = new_row;
+      lanes[count++] = 0;
+    }
+    lanes[k] |= its_lanes;
   }
-  MaterialParameters<V> p;
-  for (int k = 0; k < kMaterialParameterCount; ++k) {
-    std::memcpy(reinterpret_cast<char*>(&p) + k * sizeof(V), lanes[k], sizeof(V));
+};
+
+template <class T>
+typename BlockPass<T>::Rows BlockPass<T>::rows_of(int group) const {
+  Rows rows;
+  if (store_.registers[group].row >= 0) {
+    rows.add(store_.registers[group].row, kAllLanes<T>);
+  } else {
+    for (int l = 0; l < W; ++l) {
+      const int i = store_.particle[group * W + l];
+      if (i >= 0) rows.add(setup_.row[i], LaneBits(1) << l);
+    }
+  }
+  return rows;
+}
+
+// Parameters lane by lane.
+template <class T>
+PHYSMAS_INLINE MaterialParameters<typename BlockPass<T>::V> BlockPass<T>::parameters_of(const Rows& rows) const {
+  MaterialParameters<V> p = convert_parameters<V>(parameters_[rows.row[0]]);
+  for (int k = 1; k < rows.count; ++k) {
+    p = select(lane_mask<T>(rows.lanes[k]), convert_parameters<V>(parameters_[rows.row[k]]), p);
   }
   return p;
 }
 
 template <class T>
-Mat3<typename BlockPass<T>::V> BlockPass<T>::update_stress(int group, int first, const MaterialParameters<V>& p,
-                                                           const V& dt, Mat3<V>& F, V& strength) const {
-  const int common = store_.registers[group].row;
-  if (common >= 0) return update_branch(setup_.branches[common], p, dt, F, strength);
-  // Lanes of several rows: evaluate every branch that occurs, and let each lane keep its own.
-  alignas(64) T branch_of[W];
-  bool present[kBranchCount] = {};
-  for (int l = 0; l < W; ++l) {
-    const int i = store_.particle[first + l];
-    branch_of[l] = T(-1);
-    if (i < 0) continue;
-    const int branch = static_cast<int>(setup_.branches[setup_.row[i]]);
-    branch_of[l] = T(branch);
-    present[branch] = true;
-  }
-  const V lane_branch(branch_of, stdx::vector_aligned);
+Mat3<typename BlockPass<T>::V> BlockPass<T>::update_stress(const Rows& rows, const V& dt, Mat3<V>& F,
+                                                           V& strength) const {
+  // Every row's own law for all lanes, of which its own are kept.
   const Mat3<V> trial = F;
   const V trial_strength = strength;
   Mat3<V> tau{};
-  for (int branch = 0; branch < kBranchCount; ++branch) {
-    if (!present[branch]) continue;
-    Mat3<V> branch_F = trial;
-    V branch_strength = trial_strength;
-    const Mat3<V> branch_tau = update_branch(static_cast<Branch>(branch), p, dt, branch_F, branch_strength);
-    const auto mine = lane_branch == V(T(branch));
-    tau = select(mine, branch_tau, tau);
-    F = select(mine, branch_F, F);
-    strength = select(mine, branch_strength, strength);
+  for (int k = 0; k < rows.count; ++k) {
+    Mat3<V> row_F = trial;
+    V row_strength = trial_strength;
+    const Mat3<V> row_tau = update_branch(setup_.branches[rows.row[k]], convert_parameters<V>(parameters_[rows.row[k]]),
+                                          dt, row_F, row_strength);
+    const auto mine = lane_mask<T>(rows.lanes[k]);
+    tau = select(mine, row_tau, tau);
+    F = select(mine, row_F, F);
+    strength = select(mine, row_strength, strength);
   }
   return tau;
 }
@@ -264,8 +270,9 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
     s.x[a] = number(a);
     for (int b = 0; b < 3; ++b) s.F[a][b] = number(store_.kDeformation + 3 * a + b);
   }
+  const Rows rows = kPlain ? Rows() : rows_of(group);
   const MaterialParameters<V> p =
-      kPlain ? convert_parameters<V>(parameters_[store_.registers[group].row]) : group_parameters(group, first);
+      kPlain ? convert_parameters<V>(parameters_[store_.registers[group].row]) : parameters_of(rows);
   s.volume = number(store_.kVolume);
   s.mass = p.density * s.volume;
   s.strength = kStrength && store_.has_strength ? V(&store_.strength[first], stdx::vector_aligned) : V(T(1));
@@ -294,7 +301,7 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
   if (kMeasure) measured.F_trial = s.F;
   const V evolved(kGather ? run.step : T(0));
   const Mat3<V> tau = kPlain ? update_branch(static_cast<Branch>(kKnown), p, evolved, s.F, s.strength)
-                             : update_stress(group, first, p, evolved, s.F, s.strength);
+                             : update_stress(rows, evolved, s.F, s.strength);
   if (kMeasure) {
     measured.x = s.x, measured.v = s.v, measured.C = s.C;
     measured.v_moved = forced ? s.v + motion.increment : s.v;

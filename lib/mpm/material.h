@@ -47,7 +47,6 @@ struct MaterialParameters {
   T softening;        // plasticine [Pa]
   T residual_yield;   // plasticine: strength never falls below this [Pa]
 };
-constexpr int kMaterialParameterCount = 14;
 
 inline MaterialParameters<double> derive_parameters(const Material& m, const ProfileConstants& c) {
   MaterialParameters<double> p{};
@@ -83,6 +82,25 @@ PHYSMAS_INLINE MaterialParameters<T> map_parameters(const MaterialParameters<Fro
 template <class T, class From>
 inline MaterialParameters<T> convert_parameters(const MaterialParameters<From>& p) {
   return map_parameters<T>(p, [](From number) { return T(static_cast<Scalar<T>>(number)); });
+}
+
+template <class Condition, class T>
+PHYSMAS_INLINE MaterialParameters<T> select(const Condition& c, const MaterialParameters<T>& a,
+                                            const MaterialParameters<T>& b) {
+  return {select(c, a.mu, b.mu),
+          select(c, a.lambda, b.lambda),
+          select(c, a.bulk, b.bulk),
+          select(c, a.density, b.density),
+          select(c, a.inverse_mu, b.inverse_mu),
+          select(c, a.friction, b.friction),
+          select(c, a.strain_friction, b.strain_friction),
+          select(c, a.alpha, b.alpha),
+          select(c, a.cohesion, b.cohesion),
+          select(c, a.apex, b.apex),
+          select(c, a.yield, b.yield),
+          select(c, a.viscosity, b.viscosity),
+          select(c, a.softening, b.softening),
+          select(c, a.residual_yield, b.residual_yield)};
 }
 
 // Speed of the fastest elastic wave [m/s] (paper, Eq. "supp-wavespeed").
