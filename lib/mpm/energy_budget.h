@@ -122,7 +122,7 @@ Mat3<Wide> widen(const Mat3<V>& a, int part) {
 }
 template <class V>
 MaterialParameters<Wide> widen(const MaterialParameters<V>& p, int part) {
-  return map_parameters<Wide>(p, [part](const V& x) { return widen(x, part); });
+  return map_parameters<Wide>([part](const V& x) { return widen(x, part); }, p);
 }
 
 // a : b

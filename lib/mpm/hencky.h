@@ -94,9 +94,9 @@ inline Mat3<T> update_hencky_by_svd(Branch branch, const MaterialParameters<T>& 
   decltype(p.mu > p.mu) moved = T(1) < T(0);
   T trace_b(0);
   for (int i = 0; i < 3; ++i) trace_b += exponential(q.strain[i] + q.strain[i]);
-  const T squared_size = dot(deviator(q.strain), deviator(q.strain));
-  const Radial<T> map = return_map(branch, p, Scalar<T>(1.0 / 3.0) * sum(q.strain), square_root(squared_size),
-                                   T(1) / at_least(squared_size, T(kTiny<T>)), trace_b, dt, strength, moved);
+  const Vec3<T> d = deviator(q.strain);
+  const Radial<T> map =
+      return_map(branch, p, Scalar<T>(1.0 / 3.0) * sum(q.strain), dot(d, d), trace_b, dt, strength, moved);
   const Vec3<T> strain = apply(map, q.strain);
   if (any(moved)) {
     Mat3<T> scaled = q.svd.Vt;
@@ -134,11 +134,9 @@ PHYSMAS_INLINE HenckyStrain<T> logarithm(const Deviation<T>& S, Scalar<T> factor
   return e;
 }
 
-template <class T>
-PHYSMAS_INLINE HenckyStrain<T> select(const decltype(T() < T())& condition, const HenckyStrain<T>& yes,
-                                      const HenckyStrain<T>& no) {
-  return {select(condition, yes.mean, no.mean), select(condition, yes.squared_size, no.squared_size),
-          from_matrix(select(condition, to_matrix(yes.deviator), to_matrix(no.deviator)))};
+template <class Condition, class T>
+PHYSMAS_INLINE HenckyStrain<T> select(const Condition& c, const HenckyStrain<T>& a, const HenckyStrain<T>& b) {
+  return {select(c, a.mean, b.mean), select(c, a.squared_size, b.squared_size), select(c, a.deviator, b.deviator)};
 }
 
 // For stretches that differ too much for ½ log b: ε = log V with the left stretch V = F Rᵀ. Returns where that does,
@@ -188,8 +186,8 @@ PHYSMAS_INLINE Mat3<T> update_hencky(Branch branch, const MaterialParameters<T>&
   const T J = determinant(F);
   HenckyStrain<T> strain = logarithm(b, S(0.5));
   auto ordinary = ordinary_stretch(b, J);
-  Mat3<T> other_tau{}, other_F = F;
-  T other_strength = strength;
+  Mat3<T> other_tau, other_F;
+  T other_strength;
   bool exceptional = false;
   if (__builtin_expect(!all(ordinary), false)) {
     // Calls get copies, so that the originals need not be in memory.
@@ -199,18 +197,14 @@ PHYSMAS_INLINE Mat3<T> update_hencky(Branch branch, const MaterialParameters<T>&
     strain = wide;
     exceptional = !all(ordinary);
     if (exceptional) {
-      Mat3<T> updated = F;
-      T updated_strength = strength;
-      other_tau = update_hencky_by_svd(branch, p, dt, updated, updated_strength);
-      other_F = updated;
-      other_strength = updated_strength;
+      other_F = F;
+      other_strength = strength;
+      other_tau = update_hencky_by_svd(branch, p, dt, other_F, other_strength);
     }
   }
 
   decltype(p.mu > p.mu) moved = T(1) < T(0);
-  const Radial<T> map =
-      return_map(branch, p, strain.mean, square_root(strain.squared_size),
-                 T(1) / at_least(strain.squared_size, T(kTiny<T>)), S(3) * b.mean, dt, strength, moved);
+  const Radial<T> map = return_map(branch, p, strain.mean, strain.squared_size, S(3) * b.mean, dt, strength, moved);
   moved = moved && ordinary;
   if (any(moved)) F = plastic_update(F, strain, map, moved);
   T tau_mean = (p.mu + p.mu + S(3) * p.lambda) * map.mean;

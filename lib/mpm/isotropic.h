@@ -25,6 +25,11 @@ template <class T>
 PHYSMAS_INLINE Symmetric<T> operator*(const T& s, const Symmetric<T>& a) {
   return {s * a.xx, s * a.yy, s * a.zz, s * a.xy, s * a.xz, s * a.yz};
 }
+template <class Condition, class T>
+PHYSMAS_INLINE Symmetric<T> select(const Condition& c, const Symmetric<T>& a, const Symmetric<T>& b) {
+  return {select(c, a.xx, b.xx), select(c, a.yy, b.yy), select(c, a.zz, b.zz),
+          select(c, a.xy, b.xy), select(c, a.xz, b.xz), select(c, a.yz, b.yz)};
+}
 template <class T>
 PHYSMAS_INLINE T trace(const Symmetric<T>& a) {
   return a.xx + a.yy + a.zz;

@@ -71,36 +71,22 @@ inline MaterialParameters<double> derive_parameters(const Material& m, const Pro
   return p;
 }
 
-// The same numbers, each through a function.
-template <class T, class From, class Function>
-PHYSMAS_INLINE MaterialParameters<T> map_parameters(const MaterialParameters<From>& p, const Function& to) {
-  return {to(p.mu),       to(p.lambda),          to(p.bulk),      to(p.density),       to(p.inverse_mu),
-          to(p.friction), to(p.strain_friction), to(p.alpha),     to(p.cohesion),      to(p.apex),
-          to(p.yield),    to(p.viscosity),       to(p.softening), to(p.residual_yield)};
+// Each number from the same number of the given parameters.
+template <class T, class Function, class... From>
+PHYSMAS_INLINE MaterialParameters<T> map_parameters(const Function& to, const MaterialParameters<From>&... p) {
+  return {to(p.mu...),       to(p.lambda...),          to(p.bulk...),      to(p.density...),       to(p.inverse_mu...),
+          to(p.friction...), to(p.strain_friction...), to(p.alpha...),     to(p.cohesion...),      to(p.apex...),
+          to(p.yield...),    to(p.viscosity...),       to(p.softening...), to(p.residual_yield...)};
 }
 // In another type: the solver's precision, or the same in every SIMD lane.
 template <class T, class From>
 inline MaterialParameters<T> convert_parameters(const MaterialParameters<From>& p) {
-  return map_parameters<T>(p, [](From number) { return T(static_cast<Scalar<T>>(number)); });
+  return map_parameters<T>([](From number) { return T(static_cast<Scalar<T>>(number)); }, p);
 }
-
 template <class Condition, class T>
 PHYSMAS_INLINE MaterialParameters<T> select(const Condition& c, const MaterialParameters<T>& a,
                                             const MaterialParameters<T>& b) {
-  return {select(c, a.mu, b.mu),
-          select(c, a.lambda, b.lambda),
-          select(c, a.bulk, b.bulk),
-          select(c, a.density, b.density),
-          select(c, a.inverse_mu, b.inverse_mu),
-          select(c, a.friction, b.friction),
-          select(c, a.strain_friction, b.strain_friction),
-          select(c, a.alpha, b.alpha),
-          select(c, a.cohesion, b.cohesion),
-          select(c, a.apex, b.apex),
-          select(c, a.yield, b.yield),
-          select(c, a.viscosity, b.viscosity),
-          select(c, a.softening, b.softening),
-          select(c, a.residual_yield, b.residual_yield)};
+  return map_parameters<T>([&](const T& yes, const T& no) PHYSMAS_LAMBDA_INLINE { return select(c, yes, no); }, a, b);
 }
 
 // Speed of the fastest elastic wave [m/s] (paper, Eq. "supp-wavespeed").

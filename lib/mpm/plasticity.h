@@ -64,13 +64,12 @@ PHYSMAS_INLINE Radial<T> plasticine_return(const T& mean, const T& size, const T
   return {mean, keep, left};
 }
 
-// The return map of a branch; Snow has none. inverse_squared: 1 / size², so that nothing waits for a root and for a
-// division after it. Other arguments as above.
+// The return map of a branch; Snow has none. squared_size: of the strain's deviator. Other arguments as above.
 template <class T, class Condition>
-PHYSMAS_INLINE Radial<T> return_map(Branch branch, const MaterialParameters<T>& p, const T& mean, const T& size,
-                                    const T& inverse_squared, const T& trace_b, const T& dt, T& strength,
-                                    Condition& moved) {
-  const T inverse = size * inverse_squared;
+PHYSMAS_INLINE Radial<T> return_map(Branch branch, const MaterialParameters<T>& p, const T& mean, const T& squared_size,
+                                    const T& trace_b, const T& dt, T& strength, Condition& moved) {
+  // Root and division side by side, not one after the other.
+  const T size = square_root(squared_size), inverse = size * (T(1) / at_least(squared_size, T(kTiny<T>)));
   if (branch == Branch::sand) return sand_return(mean, size, inverse, p, moved);
   if (branch == Branch::foam) return foam_return(mean, size, inverse, trace_b, p, dt, moved);
   if (branch == Branch::plasticine) return plasticine_return(mean, size, inverse, p, strength, moved);

@@ -8,17 +8,15 @@
 namespace physmas::mpm {
 
 // Principal stretches of F in descending order, the last with the sign of J = det F: roots of the eigenvalues of F Fᵀ,
-// m + 2 p cos φ with cos 3φ = r. They lose digits where they differ by orders of magnitude, which a bound can bear;
+// m (1 + 2 p cos φ) with cos 3φ = r. They lose digits where they differ by orders of magnitude, which a bound can bear;
 // their product is J all the same unless two of them are lost.
 template <class T>
 PHYSMAS_INLINE Vec3<T> principal_stretches(const Mat3<T>& F) {
   using S = Scalar<T>;
-  const Symmetric<T> b = left_cauchy_green(F);
-  const T m = S(1.0 / 3.0) * trace(b);
-  const Symmetric<T> A = {b.xx - m, b.yy - m, b.zz - m, b.xy, b.xz, b.yz};
-  const T p = square_root(S(1.0 / 6.0) * squared_norm(A));
-  const T inverse = T(1) / at_least(p, S(1e-9) * m + T(kTiny<T>));
-  const T ratio = S(0.5) * determinant(inverse * A);
+  const Deviation<T> b = deviation(left_cauchy_green(F));
+  const T p = square_root(S(1.0 / 3.0) * b.q);
+  const T inverse = T(1) / at_least(p, T(S(1e-9)));
+  const T ratio = (S(0.5) * b.r * inverse) * (inverse * inverse);
   const T r = at_most(absolute(ratio), T(1));
   // 4 t³ − 3 t = |r| for t = cos φ in [√3/2, 1]: interpolated at Chebyshev nodes, then a step of Newton's.
   T t = polynomial(r, {0.866025416, 0.166665043, -0.0480773503, 0.0243923838, -0.0142895648, 0.00766430176,
@@ -27,8 +25,8 @@ PHYSMAS_INLINE Vec3<T> principal_stretches(const Mat3<T>& F) {
   const T s = S(1.7320508075688772) * square_root(at_least(T(1) - t * t, T(0)));
   // r < 0 is the mirror image: the two that are close are the larger ones.
   const auto mirrored = ratio < T(0);
-  const T first = square_root(m + p * select(mirrored, s + t, t + t));
-  const T second = square_root(at_least(m + p * select(mirrored, t - s, s - t), T(0)));
+  const T first = square_root(b.mean * (T(1) + p * select(mirrored, s + t, t + t)));
+  const T second = square_root(b.mean * at_least(T(1) + p * select(mirrored, t - s, s - t), T(0)));
   const T third = determinant(F) / at_least(first * second, T(kTiny<T>));
   return {first, second, at_least(at_most(third, second), -second)};
 }
