@@ -29,7 +29,7 @@ BUILD ?= build
 MODE_FLAGS := $(OPT) -DNDEBUG
 endif
 
-CPPFLAGS := -Ilib -I$(BUILD)/gen -isystem /usr/include/hdf5/serial -isystem /usr/include/opencv4 \
+CPPFLAGS := -Ilib -Itests -I$(BUILD)/gen -isystem /usr/include/hdf5/serial -isystem /usr/include/opencv4 \
             -isystem /usr/include/eigen3 -DPHYSMAS_VERSION='"$(VERSION)"'
 CXXFLAGS := -std=c++17 -march=$(ARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fno-trapping-math \
             -Wall -Wextra -Wno-unknown-pragmas $(if $(findstring clang,$(CXX)),,-Wno-maybe-uninitialized) $(if $(WERROR),-Werror) $(EXTRA_CXXFLAGS)
@@ -39,9 +39,9 @@ LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/h
           -lopencv_video -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
           -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lz -lfmt
 
-LIB_SOURCES := $(wildcard lib/*/*.cpp)
+LIB_SOURCES := $(wildcard lib/*/*.cpp lib/*/*/*.cpp)
 TOOL_SOURCES := $(wildcard tools/*.cpp)
-UNIT_SOURCES := $(wildcard tests/unit/*.cpp)
+UNIT_SOURCES := $(wildcard $(addprefix tests/unit/,*.cpp */*.cpp */*/*.cpp))
 TEST_TOOL_SOURCES := $(wildcard tests/tools/*.cpp)
 BENCH_SOURCES := $(wildcard tests/bench/*.cpp)
 EMBEDDED_TEXTS := $(sort $(wildcard schemas/*.json lib/*/prompts/*.txt lib/*/pages/*.html))
@@ -207,8 +207,8 @@ NARROWER := $(if $(filter x86_64,$(shell uname -m)),x86-64-v3 x86-64)
 .PHONY: check-portable
 check-portable: $(BUILD)/gen/embedded_texts.cpp ## Compile the solver for processors without AVX-512 as well, without keeping it
 	$(Q)for arch in $(NARROWER); do \
-	  $(CXX) $(CPPFLAGS) $(CXXFLAGS) -march=$$arch -Wno-psabi -fsyntax-only lib/mpm/stepper.cpp || exit; \
-	  echo "lib/mpm/stepper.cpp compiles for $$arch"; done
+	  $(CXX) $(CPPFLAGS) $(CXXFLAGS) -march=$$arch -Wno-psabi -fsyntax-only lib/mpm/cpu/stepper.cpp || exit; \
+	  echo "lib/mpm/cpu/stepper.cpp compiles for $$arch"; done
 
 ifeq ($(SAN),1)
 export LSAN_OPTIONS := suppressions=$(abspath tests/leaks.supp):print_suppressions=0
@@ -239,13 +239,14 @@ FUZZ_BUILD := build/fuzz/$(FUZZ_ENGINE)
 FUZZ_FLAGS := -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined -w \
               $(if $(filter libfuzzer,$(FUZZ_ENGINE)),-fsanitize=fuzzer-no-link)
 # What the targets reach: all but the command line, the making of scenes, the segmenter and the renderer.
-FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp $(patsubst %,lib/scene/%.cpp,color neighbors overrides pattern \
-                  placement report surface synth) $(patsubst %,lib/ground/%.cpp,instances mask_files one_part perception \
-                  refine segment view_image),$(wildcard lib/base/*.cpp lib/ground/*.cpp lib/records/*.cpp lib/remote/*.cpp \
-                  lib/scene/*.cpp)) \
-                $(patsubst %,lib/eval/%.cpp,array_file clip clip_tokenizer suite video_tracks zip_file) \
+FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp lib/base/team.cpp $(patsubst %,lib/scene/%.cpp,color neighbors placement view_pictures), \
+                  $(wildcard $(patsubst %,lib/%/*.cpp,base records scene remote plan))) \
+                $(patsubst %,lib/bundle/%.cpp,captured_views choose_views colmap_model dataparser_transform distortion foreign_json \
+                  physgaussian physgaussian_boundaries selection transforms_json view_rig) \
+                $(patsubst %,lib/masks/%.cpp,coco mask_doubts mask_models queries) \
                 $(patsubst %,lib/material/%.cpp,chat_source pictures predictor_source) lib/screen/run_table.cpp \
-                $(patsubst %,lib/splat/%.cpp,image_io video_reader view_pictures)
+                $(patsubst %,lib/metrics/%.cpp,array_file clip clip_tokenizer video_tracks zip_file) lib/tables/suite.cpp \
+                lib/splat/video_reader.cpp
 FUZZ_OBJECTS := $(FUZZ_SOURCES:%.cpp=$(FUZZ_BUILD)/obj/%.o) $(FUZZ_BUILD)/obj/embedded_texts.o
 
 $(FUZZ_BUILD)/obj/%.o: %.cpp | build/.packages
@@ -323,7 +324,7 @@ clean: ## Remove build/ (runs/ stays)
 	rm -rf build
 
 format: ## Format the sources with clang-format
-	clang-format -i lib/*/*.h lib/*/*.cpp tools/*.cpp $(wildcard tests/*/*.cpp)
+	clang-format -i $(shell git ls-files "*.h" "*.cpp")
 
 help: ## List the targets
 	@echo 'Usage: make [target] [NAME=value ...]'

@@ -1,6 +1,6 @@
 #!/bin/bash
 # evaluate-result.sh STATUS SCENE RUN REFERENCE OUT CANDIDATE OBJECT...: what came out of a method's run (make's exit STATUS) in
-# the folder RUN: measures every object against the REFERENCE's rollout and writes OUT/result.tsv (lib/eval/suite.h). For
+# the folder RUN: measures every object against the REFERENCE's rollout and writes OUT/result.tsv (lib/tables/suite.h). For
 # evaluate.mk. CANDIDATE: the result whether it was admitted or not; empty: the accepted candidate.
 set -u
 status=$1 scene=$2 run=$3 reference=$4 out=$5 candidate=$6

@@ -6,8 +6,8 @@
 #include "candidate/authored.h"
 #include "candidate/build.h"
 #include "candidate/one_material.h"
+#include "records/scene.h"
 #include "records/state.h"
-#include "scene/scene.h"
 
 using namespace physmas;
 

@@ -2,7 +2,9 @@
 #include "base/command_line.h"
 #include "base/error.h"
 #include "candidate/timestep.h"
-#include "eval/commands.h"
+#include "metrics/commands.h"
+#include "studies/commands.h"
+#include "tables/commands.h"
 
 using namespace physmas;
 
@@ -23,7 +25,7 @@ double paper_step(const std::vector<mpm::Material>& materials) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::vector<eval::Command> commands;
+  std::vector<Subcommand> commands;
   return run_tool(
       argc, argv,
       {"pm-eval", "Measure finished runs.",
@@ -37,25 +39,25 @@ int main(int argc, char** argv) {
        "suite/1, example/1, configuration/1; writes physmas/metrics/1, study/1, upr/1, verification/1, accuracy/1,\n"
        "stability/1, labels/1, evaluation/1.",
        [&](CLI::App& app) {
-         commands = {eval::add_motion_command(app),
-                     eval::add_tracks_command(app),
-                     eval::add_flow_command(app),
-                     eval::add_tracker_command(app),
-                     eval::add_silhouettes_command(app),
-                     eval::add_clip_command(app),
-                     eval::add_study_command(app),
-                     eval::add_upr_command(app),
-                     eval::add_aggregate_command(app),
-                     eval::add_suite_command(app),
-                     eval::add_collect_command(app),
-                     eval::add_labels_command(app),
-                     eval::add_accuracy_command(app, paper_step),
-                     eval::add_verification_command(app),
-                     eval::add_stability_command(app, paper_step)};
+         commands = {metrics::add_motion_command(app),
+                     metrics::add_tracks_command(app),
+                     metrics::add_flow_command(app),
+                     metrics::add_tracker_command(app),
+                     metrics::add_silhouettes_command(app),
+                     metrics::add_clip_command(app),
+                     metrics::add_study_command(app),
+                     metrics::add_upr_command(app),
+                     tables::add_aggregate_command(app),
+                     tables::add_suite_command(app),
+                     tables::add_collect_command(app),
+                     metrics::add_labels_command(app),
+                     studies::add_accuracy_command(app, paper_step),
+                     studies::add_verification_command(app),
+                     studies::add_stability_command(app, paper_step)};
          app.require_subcommand(1);
        },
        [&](const CommonOptions& common) {
-         for (const eval::Command& command : commands) {
+         for (const Subcommand& command : commands) {
            if (command.app->parsed()) return command.work(common);
          }
          throw internal_error("no subcommand");

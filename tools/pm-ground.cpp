@@ -9,18 +9,18 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/log.h"
-#include "ground/action_proposal.h"
-#include "ground/chat_agent.h"
-#include "ground/one_part.h"
-#include "ground/perception.h"
-#include "ground/scene_geometry.h"
-#include "ground/scene_inventory.h"
-#include "ground/scene_plan.h"
+#include "masks/perception.h"
+#include "plan/action_proposal.h"
+#include "plan/chat_agent.h"
+#include "plan/one_part.h"
+#include "plan/scene_geometry.h"
+#include "plan/scene_inventory.h"
+#include "plan/scene_plan.h"
 #include "records/inventory.h"
 #include "records/masks.h"
 #include "records/plan.h"
+#include "records/scene.h"
 #include "remote/http.h"
-#include "scene/scene.h"
 
 using namespace physmas;
 using remote::BackendKind;
@@ -74,7 +74,7 @@ class Models {
   std::optional<remote::ChatClient> chat;
   bool has_perception() const { return detector_ != nullptr; }
   // Asks both models whether they are ready.
-  ground::MaskModels perception() const { return {*detector_, *segmenter_}; }
+  masks::MaskModels perception() const { return {*detector_, *segmenter_}; }
 
   std::vector<ExchangeReference> exchanges() const {
     std::vector<ExchangeReference> all;
@@ -95,12 +95,12 @@ int ground_scene(Options options) {
   const Scene scene = load_scene(options.scene, {true, models.has_perception(), true, false});
   std::vector<std::string> view_names;
   for (const SceneView& view : scene.views) view_names.push_back(view.name);
-  std::optional<ground::MaskModels> mask_models;
+  std::optional<masks::MaskModels> mask_models;
   if (models.has_perception()) mask_models.emplace(models.perception());
 
-  std::vector<splat::ViewPicture> pictures;
-  if (models.chat || mask_models) pictures = splat::load_view_pictures(scene);
-  std::optional<ground::ChatAgent> agent;
+  std::vector<ViewPicture> pictures;
+  if (models.chat || mask_models) pictures = load_view_pictures(scene);
+  std::optional<plan::ChatAgent> agent;
   std::optional<Inventory> registered;
   if (!scene.inventory.empty()) registered = load_inventory(scene.inventory);
   Inventory inventory;
@@ -109,20 +109,24 @@ int ground_scene(Options options) {
     agent.emplace(*models.chat, scene, pictures);
     proposal = agent->propose(registered ? &*registered : nullptr, inventory);
   } else {
-    inventory = registered ? *registered : ground::inventory_from_prompt(scene.prompt);
+    inventory = registered ? *registered : plan::inventory_from_prompt(scene.prompt);
   }
-  ground::complete_inventory(inventory, view_names, scene.inventory);
+  plan::complete_inventory(inventory, view_names, scene.inventory);
 
-  ground::MaskSource source;
+  masks::MaskSource source;
   if (names_masks(options.perception)) source.folder = options.perception.substr(kMasks.size());
   if (options.perception == "builtin") source.folder = scene.masks;
   source.models = mask_models ? &*mask_models : nullptr;
-  source.agent = agent ? &*agent : nullptr;
-  ground::Perception perception = ground::perceive(scene, inventory, pictures, source);
-  const ground::SceneGeometry geometry = ground::measure_scene(scene, inventory, perception.views);
-  Plan plan = agent ? ground::compile_proposal(proposal, scene.prompt, inventory, geometry, scene.run)
-                    : ground::plan_from_prompt(scene.prompt, inventory, geometry, scene.run, scene.file);
-  if (!scene.run.ablation.object_part_state) ground::collapse_parts(inventory, perception.views, plan);
+  if (agent) {
+    source.planner = [&](Inventory& asked, const std::vector<std::string>& missed, const Queries& tried) {
+      return agent->plan_perception(asked, missed, tried);
+    };
+  }
+  masks::Perception perception = masks::perceive(scene, inventory, pictures, source);
+  const plan::SceneGeometry geometry = plan::measure_scene(scene, inventory, perception.views);
+  Plan plan = agent ? plan::compile_proposal(proposal, scene.prompt, inventory, geometry, scene.run)
+                    : plan::plan_from_prompt(scene.prompt, inventory, geometry, scene.run, scene.file);
+  if (!scene.run.ablation.object_part_state) plan::collapse_parts(inventory, perception.views, plan);
 
   Provenance provenance;
   provenance.tool = "pm-ground";
@@ -142,7 +146,7 @@ int ground_scene(Options options) {
   for (const Omission& omission : perception.omitted) log_info(omission.what + ": " + omission.why);
   for (const std::string& correction : plan.corrections) {
     // What was not understood is not done: that a user should see without asking.
-    if (correction.rfind(ground::kNotUnderstood, 0) == 0) {
+    if (correction.rfind(plan::kNotUnderstood, 0) == 0) {
       log_warning("the prompt: " + correction);
     } else {
       log_info(correction);

@@ -9,16 +9,16 @@
 #include "base/command_line.h"
 #include "base/error.h"
 #include "base/log.h"
-#include "eval/label_accuracy.h"
 #include "lift/assignment.h"
 #include "lift/initial_state.h"
 #include "lift/label_picture.h"
 #include "records/inventory.h"
 #include "records/masks.h"
+#include "records/scene.h"
 #include "records/state.h"
+#include "records/truth.h"
 #include "scene/gaussian_files.h"
-#include "scene/scene.h"
-#include "splat/image_io.h"
+#include "scene/image_file.h"
 
 using namespace physmas;
 
@@ -59,17 +59,16 @@ void check_residual_rows(const Inventory& inventory, const std::string& file) {
 lift::Labels assigned_labels(const Scene& scene, const Inventory& inventory, const Gaussians& gaussians,
                              const std::vector<ViewMasks>& masks, const std::vector<Camera>& cameras) {
   const lift::Labels labels = lift::assign_rows({gaussians, cameras, masks, inventory, scene.run.lifting.occlusion});
-  log_info(fmt::format(
-      "{} Gaussians in no view, {} hidden, {} object and {} part votes, {} rescued, {} residual", labels.counts.unseen,
-      labels.counts.hidden, labels.counts.object_votes, labels.counts.part_votes, labels.counts.rescued,
-      labels.counts.residual));
+  log_info(fmt::format("{} Gaussians in no view, {} hidden, {} object and {} part votes, {} rescued, {} residual",
+                       labels.counts.unseen, labels.counts.hidden, labels.counts.object_votes, labels.counts.part_votes,
+                       labels.counts.rescued, labels.counts.residual));
   return labels;
 }
 
 // As a file says.
 lift::Labels given_labels(const Options& options, const Inventory& inventory, size_t count) {
   lift::Labels labels;
-  labels.row = eval::load_truth(options.labels, inventory, count);
+  labels.row = load_truth(options.labels, inventory, count);
   for (const int32_t r : labels.row) labels.object.push_back(inventory.object_of_row(r));
   labels.confidence.assign(count, 1);
   return labels;
@@ -91,9 +90,8 @@ int lift_scene(const Options& options) {
   if (gaussians.size() == 0) throw invalid_input({scene.gaussians, "", "no Gaussians", "at least one"});
   log_info(fmt::format("read {} Gaussians after {:.2f} s", gaussians.size(), watch.seconds()));
 
-  const lift::Labels labels = options.labels.empty()
-                                  ? assigned_labels(scene, inventory, gaussians, masks, cameras)
-                                  : given_labels(options, inventory, gaussians.size());
+  const lift::Labels labels = options.labels.empty() ? assigned_labels(scene, inventory, gaussians, masks, cameras)
+                                                     : given_labels(options, inventory, gaussians.size());
   log_info(fmt::format("rows after {:.2f} s", watch.seconds()));
   const State state = lift::initial_state(gaussians, labels, inventory, scene.run, scene.gaussians);
   log_info(fmt::format("{} particles after {:.2f} s", state.particle_count(), watch.seconds()));
@@ -101,8 +99,8 @@ int lift_scene(const Options& options) {
 
   Provenance provenance;
   provenance.tool = "pm-lift";
-  for (const std::string& input : {options.scene, scene.gaussians, options.inventory,
-                                   options.labels.empty() ? options.masks : options.labels})
+  for (const std::string& input :
+       {options.scene, scene.gaussians, options.inventory, options.labels.empty() ? options.masks : options.labels})
     provenance.add_input(input);
   save_state(options.out, state, provenance);
   if (!options.labels_png.empty()) {
@@ -110,7 +108,7 @@ int lift_scene(const Options& options) {
     for (const InventoryRow& row : inventory.rows) residual.push_back(row.residual);
     for (size_t v = 0; v < cameras.size(); ++v) {
       const std::filesystem::path file = std::filesystem::path(options.labels_png) / (names[v] + ".png");
-      splat::save_png(file.string(), lift::label_picture(gaussians, labels.row, residual, cameras[v]));
+      save_png(file.string(), lift::label_picture(gaussians, labels.row, residual, cameras[v]));
     }
   }
   return static_cast<int>(ExitCode::done);

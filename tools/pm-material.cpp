@@ -11,7 +11,7 @@
 #include "material/evidence.h"
 #include "material/predictor_source.h"
 #include "records/state.h"
-#include "splat/view_pictures.h"
+#include "scene/view_pictures.h"
 
 using namespace physmas;
 using remote::BackendKind;
@@ -55,7 +55,7 @@ std::optional<MaterialRecords> observe(const Options& options, const Scene& scen
     agent_backend = remote::open_backend(options.agent, "--agent", "/v1", options.remote);
     chat.emplace(*agent_backend, options.model);
   }
-  const std::vector<splat::ViewPicture> pictures = splat::load_view_pictures(scene);
+  const std::vector<ViewPicture> pictures = load_view_pictures(scene);
   if (predictor_backend) {
     remote::InferenceClient client(*predictor_backend, "predictor");
     take(material::predict_rows(client, inventory, pictures, masks));

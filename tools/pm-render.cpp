@@ -13,15 +13,16 @@
 #include "records/inventory.h"
 #include "records/render.h"
 #include "records/rollout.h"
+#include "records/scene.h"
 #include "records/state.h"
 #include "scene/gaussian_files.h"
-#include "scene/scene.h"
+#include "scene/image_file.h"
 #include "splat/comparison.h"
 #include "splat/deformed_gaussians.h"
 #include "splat/depth_picture.h"
 #include "splat/foreground.h"
 #include "splat/frame_files.h"
-#include "splat/image_io.h"
+#include "splat/quantize.h"
 #include "splat/renderer.h"
 #include "splat/row_colors.h"
 #include "splat/transport.h"
@@ -78,9 +79,7 @@ class ContactSheet {
     pictures_.push_back(image);
     captions_.push_back("frame " + std::to_string(frame));
   }
-  void save(const std::string& path) const {
-    splat::save_png(path, splat::contact_sheet(pictures_, captions_, 4, 360));
-  }
+  void save(const std::string& path) const { save_png(path, contact_sheet(pictures_, captions_, 4, 360)); }
 
  private:
   size_t count_, frames_;
@@ -189,7 +188,7 @@ int render(const Options& options) {
     encode_seconds += encode_watch.seconds();
     const Stopwatch export_watch;
     if (row_video) row_video->add(camera, transported.deformation());
-    if (png.wanted()) splat::save_png(png.path(t), quantized);
+    if (png.wanted()) save_png(png.path(t), quantized);
     if (depth.wanted()) splat::save_depth_png(depth.path(t), image, record.depth_unit);
     if (ply.wanted()) save_gaussians_ply(ply.path(t), splat::deformed_gaussians(gaussians, transported.deformation()));
     export_seconds += export_watch.seconds();

@@ -1,10 +1,10 @@
 // pm-scene: makes scene bundles, and cuts their run specification into slices.
 #include "base/command_line.h"
-#include "scene/overrides.h"
-#include "scene/report.h"
-#include "scene/scene.h"
-#include "splat/import_bundle.h"
-#include "splat/synth_bundle.h"
+#include "bundle/import_bundle.h"
+#include "bundle/report.h"
+#include "bundle/synth_bundle.h"
+#include "records/overrides.h"
+#include "records/scene.h"
 
 using namespace physmas;
 
@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   std::string example, scene, described, folder, overrides_file;
   std::vector<std::string> settings;
   std::vector<double> crop;
-  splat::ImportOptions import;
+  bundle::ImportOptions import;
   bool true_masks = false;
   CLI::App *synth_command = nullptr, *import_command = nullptr, *slice_command = nullptr, *info_command = nullptr;
 
@@ -88,11 +88,11 @@ int main(int argc, char** argv) {
   };
   tool.work = [&](const CommonOptions&) {
     import.folder = folder;
-    if (!crop.empty()) import.selection.crop = crop_box(crop, "--crop");
-    if (synth_command->parsed()) splat::write_synth_bundle(example, folder, true_masks);
-    if (import_command->parsed()) splat::write_import_bundle(import);
+    if (!crop.empty()) import.selection.crop = bundle::crop_box(crop, "--crop");
+    if (synth_command->parsed()) bundle::write_synth_bundle(example, folder, true_masks);
+    if (import_command->parsed()) bundle::write_import_bundle(import);
     if (slice_command->parsed()) write_slices(scene, run_overrides(overrides_file, settings), folder);
-    if (info_command->parsed()) print_report(described);
+    if (info_command->parsed()) bundle::print_report(described);
     return 0;
   };
   return run_tool(argc, argv, tool);

@@ -9,7 +9,7 @@
 
 #include "base/command_line.h"
 #include "base/file.h"
-#include "scene/scene.h"
+#include "records/scene.h"
 #include "screen/audit.h"
 #include "screen/decide.h"
 #include "screen/explain.h"

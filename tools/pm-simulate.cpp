@@ -12,8 +12,8 @@
 #include "records/candidate.h"
 #include "records/execution.h"
 #include "records/rollout.h"
+#include "records/scene.h"
 #include "records/state.h"
-#include "scene/scene.h"
 
 namespace fs = std::filesystem;
 using namespace physmas;

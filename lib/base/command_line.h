@@ -27,6 +27,12 @@ struct ToolMain {
   std::function<int(const CommonOptions&)> work;
 };
 
+// A subcommand of a tool that has several.
+struct Subcommand {
+  CLI::App* app = nullptr;  // parsed(): this is what was asked for
+  std::function<int(const CommonOptions&)> work;
+};
+
 int run_tool(int argc, char** argv, const ToolMain& tool);
 
 // Only the CPU is built so far: `cuda` is refused with exit code 2, never silently replaced.

@@ -46,8 +46,8 @@ Error internal_error(const std::string& message);
 // "FILE: DOING: system's text", exit code 3. `doing` is a verb phrase such as "cannot be written".
 Error system_error(const std::string& file, const std::string& doing, int error_number);
 
-// One line of UTF-8: control characters and newlines become spaces, bytes that are no UTF-8 question marks; long text is
-// cut after `limit` bytes and the character that they end in, with an ellipsis.
+// One line of UTF-8: control characters and newlines become spaces, bytes that are no UTF-8 question marks; long text
+// is cut after `limit` bytes and the character that they end in, with an ellipsis.
 std::string one_line(const std::string& text, size_t limit = 400);
 
 }  // namespace physmas

@@ -2,9 +2,9 @@
 #ifndef PHYSMAS_BIND_SCHEDULE_H
 #define PHYSMAS_BIND_SCHEDULE_H
 
-#include "mpm/schedule.h"
+#include "mpm/action/schedule.h"
 #include "records/candidate.h"
-#include "scene/run_specification.h"
+#include "records/run_specification.h"
 
 namespace physmas::bind {
 

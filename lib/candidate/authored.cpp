@@ -11,7 +11,8 @@ namespace {
 
 // A label whose branch it is: what the predicates of supports see.
 int label_of(Branch branch) {
-  const auto found = std::find_if(kLabels.begin(), kLabels.end(), [&](const LabelPrior& l) { return l.branch == branch; });
+  const auto found =
+      std::find_if(kLabels.begin(), kLabels.end(), [&](const LabelPrior& l) { return l.branch == branch; });
   return static_cast<int>(found - kLabels.begin());
 }
 

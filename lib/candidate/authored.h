@@ -7,7 +7,7 @@
 
 #include "records/candidate.h"
 #include "records/configuration.h"
-#include "scene/run_specification.h"
+#include "records/run_specification.h"
 
 namespace physmas::candidate {
 

@@ -9,7 +9,7 @@
 #include "records/evidence.h"
 #include "records/inventory.h"
 #include "records/plan.h"
-#include "scene/run_specification.h"
+#include "records/run_specification.h"
 
 namespace physmas::candidate {
 

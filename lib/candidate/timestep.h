@@ -6,7 +6,7 @@
 
 #include "records/candidate.h"
 #include "records/evidence.h"
-#include "scene/run_specification.h"
+#include "records/run_specification.h"
 
 namespace physmas::candidate {
 

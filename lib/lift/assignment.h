@@ -8,9 +8,9 @@
 
 #include "records/inventory.h"
 #include "records/masks.h"
+#include "records/run_specification.h"
 #include "scene/camera.h"
 #include "scene/gaussians.h"
-#include "scene/run_specification.h"
 
 namespace physmas::lift {
 

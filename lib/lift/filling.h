@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "records/run_specification.h"
 #include "records/state.h"
 #include "scene/gaussians.h"
-#include "scene/run_specification.h"
 
 namespace physmas::lift {
 

@@ -6,9 +6,9 @@
 
 #include "lift/assignment.h"
 #include "records/inventory.h"
+#include "records/run_specification.h"
 #include "records/state.h"
 #include "scene/gaussians.h"
-#include "scene/run_specification.h"
 
 namespace physmas::lift {
 

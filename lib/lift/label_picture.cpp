@@ -1,6 +1,7 @@
 #include "lift/label_picture.h"
 
-#include "splat/image_io.h"
+#include "scene/image_file.h"
+#include "splat/quantize.h"
 #include "splat/renderer.h"
 #include "splat/row_colors.h"
 

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "base/embedded_text.h"
-#include "splat/image_io.h"
+#include "scene/image_file.h"
 
 namespace physmas::material {
 
@@ -69,7 +69,7 @@ MaterialRecords ask_about_rows(remote::ChatClient& chat, const Inventory& invent
                           {"name", row.name},
                           {"structural_role", row.structural_role}};
     question.text = "The row: " + subject.dump() + "\nThe sheet of views follows.";
-    question.images = {splat::encode_png(highlighted_sheet(pictures, shown_masks))};
+    question.images = {encode_png(highlighted_sheet(pictures, shown_masks))};
     question.schema = "material_reply";
     question.reject = [&](const Json& answer) { return rejection_of(answer, row.key()); };
     const remote::Answer answer = chat.ask(question);

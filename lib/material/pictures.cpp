@@ -47,7 +47,7 @@ Image highlighted(const ViewPicture& view, const Mask* mask) {
 Image highlighted_sheet(const std::vector<ViewPicture>& views, const std::vector<const Mask*>& masks) {
   std::vector<ViewPicture> panels;
   for (size_t v = 0; v < views.size(); ++v) panels.push_back({views[v].view, highlighted(views[v], masks[v])});
-  return splat::view_sheet(panels);
+  return view_sheet(panels);
 }
 
 Image masked_crop(const ViewPicture& view, const Mask& mask) {

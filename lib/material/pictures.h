@@ -7,11 +7,9 @@
 
 #include "records/masks.h"
 #include "scene/image.h"
-#include "splat/view_pictures.h"
+#include "scene/view_pictures.h"
 
 namespace physmas::material {
-
-using splat::ViewPicture;
 
 // Every view in a grid of two columns with its name below: the masked row in its own colours inside a magenta outline,
 // the rest dimmed. masks: [views], empty where the view does not show the row; of its view's size otherwise.

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "splat/image_io.h"
+#include "scene/image_file.h"
 
 namespace physmas::material {
 namespace {
@@ -57,7 +57,7 @@ MaterialRecords predict_rows(remote::InferenceClient& predictor, const Inventory
     std::vector<std::string> crops;
     for (size_t v = 0; v < masks.size(); ++v) {
       const Mask& mask = masks[v].rows[r];
-      if (mask.area() > 0) crops.push_back(splat::encode_png(masked_crop(pictures[v], mask)));
+      if (mask.area() > 0) crops.push_back(encode_png(masked_crop(pictures[v], mask)));
     }
     records.rows[r].crops = predict(predictor, row.object + "_" + row.part, crops);
   }
@@ -65,7 +65,7 @@ MaterialRecords predict_rows(remote::InferenceClient& predictor, const Inventory
   for (size_t v = 0; v < masks.size(); ++v) {
     Mask whole = union_of(masks[v].objects);
     if (whole.area() == 0) whole = union_of(masks[v].rows);
-    if (whole.area() > 0) crops.push_back(splat::encode_png(masked_crop(pictures[v], whole)));
+    if (whole.area() > 0) crops.push_back(encode_png(masked_crop(pictures[v], whole)));
   }
   if (!crops.empty()) {
     records.whole_object.emplace();

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "mpm/mat3.h"
+#include "mpm/math/mat3.h"
 
 namespace physmas::mpm {
 

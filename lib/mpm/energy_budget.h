@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-#include "mpm/constitutive.h"
+#include "mpm/material/constitutive.h"
 
 namespace physmas::mpm {
 

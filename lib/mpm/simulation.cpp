@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/clock.h"
-#include "mpm/constitutive.h"
+#include "mpm/material/constitutive.h"
 
 namespace physmas::mpm {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "mpm/action/schedule.h"
 #include "mpm/domain.h"
-#include "mpm/material.h"
-#include "mpm/schedule.h"
+#include "mpm/material/material.h"
 #include "mpm/state.h"
 #include "mpm/stepper.h"
 #include "mpm/timestep.h"

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "mpm/mat3.h"
+#include "mpm/math/mat3.h"
 
 namespace physmas::mpm {
 

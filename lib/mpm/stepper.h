@@ -8,12 +8,12 @@
 #include <memory>
 #include <vector>
 
-#include "mpm/control.h"
+#include "base/team.h"
+#include "mpm/action/control.h"
 #include "mpm/domain.h"
 #include "mpm/energy_budget.h"
-#include "mpm/material.h"
+#include "mpm/material/material.h"
 #include "mpm/state.h"
-#include "mpm/team.h"
 
 namespace physmas::mpm {
 

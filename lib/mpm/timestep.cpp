@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "mpm/state_lanes.h"
-#include "mpm/stiffness.h"
+#include "mpm/cpu/state_lanes.h"
+#include "mpm/material/stiffness.h"
 
 namespace physmas::mpm {
 

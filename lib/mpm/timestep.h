@@ -3,7 +3,7 @@
 #ifndef PHYSMAS_MPM_TIMESTEP_H
 #define PHYSMAS_MPM_TIMESTEP_H
 
-#include "mpm/schedule.h"
+#include "mpm/action/schedule.h"
 #include "mpm/stepper.h"
 
 namespace physmas::mpm {

@@ -6,12 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "records/json_fwd.h"
 #include "records/provenance.h"
 
 namespace physmas {
-
-// Insertion order is kept: evidence ties follow it, and files stay readable.
-using Json = nlohmann::ordered_json;
 
 // Parses `text`. Refuses malformed JSON (with line and column), duplicate keys, numbers that are not finite, nesting
 // deeper than 64, each with exit code 3. `file` is only named in messages.

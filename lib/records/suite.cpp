@@ -106,8 +106,7 @@ class Loader {
         throw invalid_input({c.reference, "/rows", "no row \"" + key + "\"", "every row of " + c.example});
     }
     for (const auto& [key, row] : rows.items()) {
-      if (keys.count(key) == 0)
-        throw invalid_field(c.reference, "/rows/" + key, Json(key), "a row of " + c.example);
+      if (keys.count(key) == 0) throw invalid_field(c.reference, "/rows/" + key, Json(key), "a row of " + c.example);
     }
     for (const char* branch : kBranchNames) {
       for (const auto& [key, row] : rows.items()) {

@@ -31,16 +31,17 @@ struct Suite {
   std::vector<SuiteMethod> methods;  // the first computes what the others share
   std::vector<std::string> comparison, required;
   std::vector<SuiteCase> cases;
-  std::map<std::string, std::string> hashes;  // SHA-256 of the suite, its examples and references, relative to its folder
+  std::map<std::string, std::string>
+      hashes;  // SHA-256 of the suite, its examples and references, relative to its folder
 };
 
-// Reads the suite, its examples and its references. Errors (exit code 3): ids that occur twice or do not resolve, a file
-// outside the suite's folder, a multi-part case with other than one object, a reference without exactly the rows of its
-// example, an object that the example lacks.
+// Reads the suite, its examples and its references. Errors (exit code 3): ids that occur twice or do not resolve, a
+// file outside the suite's folder, a multi-part case with other than one object, a reference without exactly the rows
+// of its example, an object that the example lacks.
 Suite load_suite(const std::string& path);
 
-// Refuses (exit code 3) a suite of which a file is not as suite.sha256 has it, or not in there: names the file, and how to
-// register it again.
+// Refuses (exit code 3) a suite of which a file is not as suite.sha256 has it, or not in there: names the file, and how
+// to register it again.
 void require_registered(const Suite& suite);
 
 // Writes suite.sha256, in the form of sha256sum.

@@ -2,9 +2,9 @@
 #ifndef PHYSMAS_SCENE_PLACEMENT_H
 #define PHYSMAS_SCENE_PLACEMENT_H
 
+#include "records/run_specification.h"
 #include "records/state.h"
 #include "scene/gaussians.h"
-#include "scene/run_specification.h"
 
 namespace physmas {
 

@@ -49,7 +49,8 @@ void add_candidate_times(RunSummary& run, const std::string& folder, const Scree
 
 void read_screen(RunSummary& run, const std::string& folder) {
   int last = -1;
-  // A later record may be left from before the scene changed: the run ends with the first round that asks for no repair.
+  // A later record may be left from before the scene changed: the run ends with the first round that asks for no
+  // repair.
   for (int k = 0; k < kRounds && exists(in(folder, fmt::format("screen/round{}.json", k))); ++k) {
     last = k;
     if (load_screen(in(folder, fmt::format("screen/round{}.json", k))).decision != "repair") break;

@@ -11,8 +11,8 @@
 #include "records/inventory.h"
 #include "records/plan.h"
 #include "records/render.h"
+#include "records/run_specification.h"
 #include "records/screen.h"
-#include "scene/run_specification.h"
 
 namespace physmas::screen {
 

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "scene/image.h"
-#include "splat/image_io.h"
+#include "scene/image_file.h"
 #include "splat/video.h"
 
 namespace physmas::splat {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/file.h"
-#include "splat/image_io.h"
+#include "scene/image_file.h"
 
 namespace physmas::splat {
 namespace {

@@ -12,18 +12,18 @@
 
 #include "base/clock.h"
 #include "base/error.h"
-#include "ground/scene_inventory.h"
+#include "bundle/synth.h"
+#include "bundle/view_rig.h"
+#include "bundle/views.h"
 #include "lift/assignment.h"
 #include "lift/initial_state.h"
+#include "plan/scene_inventory.h"
 #include "records/example.h"
 #include "records/masks.h"
+#include "records/scene.h"
 #include "scene/gaussian_files.h"
-#include "scene/scene.h"
-#include "scene/synth.h"
-#include "scene/view_rig.h"
-#include "splat/image_io.h"
+#include "scene/image_file.h"
 #include "splat/renderer.h"
-#include "splat/views.h"
 
 using namespace physmas;
 using Occlusion = RunSpecification::Lifting::Occlusion;
@@ -60,10 +60,10 @@ Example towers() {
 }
 
 // Evenly thinned to kGaussians.
-SynthScene thinned(const SynthScene& all) {
+bundle::SynthScene thinned(const bundle::SynthScene& all) {
   const size_t n = all.gaussians.size();
   if (n < kGaussians) throw internal_error(fmt::format("{} Gaussians: the towers' spacing is too wide", n));
-  SynthScene scene;
+  bundle::SynthScene scene;
   scene.inventory = all.inventory;
   scene.gaussians.resize(kGaussians, 0);
   for (size_t i = 0; i < kGaussians; ++i) {
@@ -79,7 +79,7 @@ SynthScene thinned(const SynthScene& all) {
 }
 
 // What each view shows of every row, and the rows' union as objects.
-std::vector<ViewMasks> true_masks(const SynthScene& scene, const Inventory& inventory,
+std::vector<ViewMasks> true_masks(const bundle::SynthScene& scene, const Inventory& inventory,
                                   const std::vector<Camera>& cameras) {
   splat::Renderer renderer(scene.gaussians);
   splat::RenderOptions options;
@@ -102,7 +102,7 @@ std::vector<ViewMasks> true_masks(const SynthScene& scene, const Inventory& inve
   return views;
 }
 
-void write_bundle(const std::string& folder, const SynthScene& synth, const Inventory& inventory,
+void write_bundle(const std::string& folder, const bundle::SynthScene& synth, const Inventory& inventory,
                   const std::vector<ViewMasks>& masks, Scene scene) {
   Provenance provenance;
   provenance.tool = "bench_lift";
@@ -110,10 +110,10 @@ void write_bundle(const std::string& folder, const SynthScene& synth, const Inve
   save_gaussians_ply(scene.gaussians, synth.gaussians);
   std::vector<Camera> cameras;
   for (const SceneView& view : scene.views) cameras.push_back(view.camera);
-  const std::vector<Image> images = splat::render_view_images(synth.gaussians, cameras, scene.run.render);
+  const std::vector<Image> images = bundle::render_view_images(synth.gaussians, cameras, scene.run.render);
   for (size_t v = 0; v < images.size(); ++v) {
     scene.views[v].image = folder + "/views/" + scene.views[v].name + ".png";
-    splat::save_png(scene.views[v].image, images[v]);
+    save_png(scene.views[v].image, images[v]);
   }
   scene.inventory = folder + "/inventory.json";
   save_inventory(scene.inventory, inventory, {}, provenance);
@@ -127,7 +127,7 @@ double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-void measure(const SynthScene& synth, const Inventory& inventory, const std::vector<ViewMasks>& masks,
+void measure(const bundle::SynthScene& synth, const Inventory& inventory, const std::vector<ViewMasks>& masks,
              const std::vector<Camera>& cameras, const RunSpecification& run, Occlusion occlusion, int threads) {
   omp_set_num_threads(threads);
   const Stopwatch watch;
@@ -147,11 +147,12 @@ void measure(const SynthScene& synth, const Inventory& inventory, const std::vec
 
 int main(int argc, char** argv) {
   try {
-    const SynthScene synth = thinned(synthesize(towers(), "towers"));
+    const bundle::SynthScene synth = thinned(bundle::synthesize(towers(), "towers"));
     Inventory inventory = synth.inventory;
     const std::vector<std::string> names(kViewNames.begin(), kViewNames.end());
-    ground::complete_inventory(inventory, names, "towers");
-    const std::vector<Camera> cameras = view_cameras(means_of(synth.gaussians), 18, {"z", 40, 0.1, kSize, kSize});
+    plan::complete_inventory(inventory, names, "towers");
+    const std::vector<Camera> cameras =
+        bundle::view_cameras(bundle::means_of(synth.gaussians), 18, {"z", 40, 0.1, kSize, kSize});
     const std::vector<ViewMasks> masks = true_masks(synth, inventory, cameras);
     Scene scene;
     scene.name = "towers";

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/clock.h"
-#include "mpm/lanes.h"
+#include "mpm/math/lanes.h"
 #include "mpm/simulation.h"
 
 using namespace physmas;

@@ -14,11 +14,12 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "bundle/synth.h"
+#include "bundle/view_rig.h"
 #include "records/example.h"
 #include "scene/gaussian_files.h"
-#include "scene/synth.h"
-#include "scene/view_rig.h"
-#include "splat/image_io.h"
+#include "scene/image_file.h"
+#include "splat/quantize.h"
 #include "splat/renderer.h"
 #include "splat/video.h"
 
@@ -61,7 +62,7 @@ class Phase {
 };
 
 void report(const std::string& name, const Gaussians& g, const std::string& up) {
-  const Camera camera = frame_points(robust_means_of(g), {25, 15}, {up, 40, 0.12, kSize, kSize});
+  const Camera camera = bundle::frame_points(bundle::robust_means_of(g), {25, 15}, {up, 40, 0.12, kSize, kSize});
   const std::string path = (fs::temp_directory_path() / fmt::format("physmas-bench-{}.mp4", getpid())).string();
   Renderer renderer(g);
   RenderOptions options;
@@ -132,7 +133,7 @@ int main(int argc, char** argv) {
   try {
     const std::string cake = "examples/cake.json";
     const Example example = load_example(cake);
-    report("demo", synthesize(example, cake).gaussians, example.up);
+    report("demo", bundle::synthesize(example, cake).gaussians, example.up);
     for (const std::string& file : files) {
       if (fs::exists(file)) {
         report(fs::path(file).stem().stem().string(), load_gaussians(file), "-y");

@@ -1,5 +1,5 @@
 // Masks in COCO JSON, for two views of 16 x 12 and 5 x 7 pixels.
-#include "ground/coco.h"
+#include "masks/coco.h"
 
 #include "guard.h"
 
@@ -19,6 +19,6 @@ std::vector<physmas::SceneView> two_views() {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const std::vector<physmas::SceneView> views = two_views();
   const std::string text(reinterpret_cast<const char*>(data), size);
-  physmas::guard([&] { physmas::ground::coco_from(physmas::parse_json(text, "front.json"), "front.json", views); });
+  physmas::guard([&] { physmas::masks::coco_from(physmas::parse_json(text, "front.json"), "front.json", views); });
   return 0;
 }

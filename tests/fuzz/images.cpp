@@ -3,7 +3,7 @@
 #include <zlib.h>
 
 #include "guard.h"
-#include "splat/image_io.h"
+#include "scene/image_file.h"
 
 namespace {
 
@@ -27,6 +27,6 @@ void fix_checksums(std::string& png) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   std::string bytes(reinterpret_cast<const char*>(data), size);
   if (bytes.compare(0, 4, "\x89PNG") == 0) fix_checksums(bytes);
-  physmas::guard([&] { physmas::splat::decode_image(bytes, "input.png"); });
+  physmas::guard([&] { physmas::decode_image(bytes, "input.png"); });
   return 0;
 }

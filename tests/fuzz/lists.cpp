@@ -1,10 +1,10 @@
 // Texts of lines that are read back. Input: a letter, then 'h' the hashes of a suite, 'r' the result of a case
 // (result.tsv), 'l' the log of a run and, after 0x1e, its batch.status.
-#include "eval/suite.h"
 #include "guard.h"
 #include "records/json.h"
 #include "scratch.h"
 #include "screen/run_table.h"
+#include "tables/suite.h"
 
 namespace {
 
@@ -39,7 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     } else if (data[0] == 'r') {
       std::filesystem::create_directories(scratch / "results/cake/physmas");
       scratch.write("results/cake/physmas/result.tsv", text);
-      eval::collect_evaluation(suite, scratch.folder(), {});
+      tables::collect_evaluation(suite, scratch.folder(), {});
     } else if (data[0] == 'l') {
       const size_t cut = text.find('\x1e');
       scratch.write("log.txt", text.substr(0, cut));

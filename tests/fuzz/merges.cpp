@@ -2,13 +2,13 @@
 // table.
 #include <algorithm>
 
-#include "eval/clip.h"
 #include "guard.h"
+#include "metrics/clip.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size < 1) return 0;
   const std::string rest(reinterpret_cast<const char*>(data + 1), size - 1);
   const size_t cut = std::min<size_t>(data[0], rest.size());
-  physmas::guard([&] { physmas::eval::ClipTokenizer(rest.substr(cut), "input.txt").encode(rest.substr(0, cut)); });
+  physmas::guard([&] { physmas::metrics::ClipTokenizer(rest.substr(cut), "input.txt").encode(rest.substr(0, cut)); });
   return 0;
 }

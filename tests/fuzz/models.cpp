@@ -1,13 +1,13 @@
 // What models answer. Input: a letter for who is asked (below), then one answer per question, with 0x1e between. A chat
 // model's answer is the text of its message, except for 'w': there it is the whole completion.
-#include "ground/action_proposal.h"
-#include "ground/chat_agent.h"
-#include "ground/mask_models.h"
-#include "ground/scene_inventory.h"
 #include "guard.h"
+#include "masks/mask_models.h"
 #include "material/chat_source.h"
 #include "material/predictor_source.h"
-#include "splat/image_io.h"
+#include "plan/action_proposal.h"
+#include "plan/chat_agent.h"
+#include "plan/scene_inventory.h"
+#include "scene/image_file.h"
 
 namespace {
 
@@ -58,7 +58,7 @@ struct World {
       inventory.rows.back().object = "lollipop";
       inventory.rows.back().part = inventory.rows.back().name = part;
     }
-    ground::complete_inventory(inventory, {"front"}, "inventory.json");
+    plan::complete_inventory(inventory, {"front"}, "inventory.json");
     Mask mask;
     mask.width = 8, mask.height = 2;
     mask.pixels.assign(16, 255);
@@ -66,11 +66,11 @@ struct World {
     masks[0].view = "front";
     masks[0].objects = {mask};
     masks[0].rows = {mask, Mask(), Mask()};
-    png = splat::encode_png(pictures[0].rgb);
+    png = encode_png(pictures[0].rgb);
   }
 
   Scene scene;
-  std::vector<splat::ViewPicture> pictures;
+  std::vector<ViewPicture> pictures;
   Inventory inventory;
   std::vector<ViewMasks> masks;
   std::string png;
@@ -82,17 +82,17 @@ void ask(char who, const std::string& text, const World& world) {
   switch (who) {
     case 'w':
     case 's': {  // the scene agent, then what it plans to look for
-      ground::ChatAgent agent(chat, world.scene, world.pictures);
+      plan::ChatAgent agent(chat, world.scene, world.pictures);
       Inventory inventory;
       const Json proposal = agent.propose(nullptr, inventory);
-      ground::complete_inventory(inventory, {"front"}, "answer");
-      const ground::SceneGeometry geometry = ground::measure_scene(world.scene, Inventory(), {});
-      ground::compile_proposal(proposal, world.scene.prompt, inventory, geometry, world.scene.run);
+      plan::complete_inventory(inventory, {"front"}, "answer");
+      const plan::SceneGeometry geometry = plan::measure_scene(world.scene, Inventory(), {});
+      plan::compile_proposal(proposal, world.scene.prompt, inventory, geometry, world.scene.run);
       agent.plan_perception(inventory, {}, {});
       break;
     }
     case 'r': {  // the scene agent with a registered inventory
-      ground::ChatAgent agent(chat, world.scene, world.pictures);
+      plan::ChatAgent agent(chat, world.scene, world.pictures);
       Inventory inventory;
       agent.propose(&world.inventory, inventory);
       agent.plan_perception(inventory, {"lollipop/stick"}, {});
@@ -110,7 +110,7 @@ void ask(char who, const std::string& text, const World& world) {
       break;
     }
     case 'D': {  // detector and segmenter: the metadata of both, then a reply of each
-      ground::MaskModels models(answers, answers);
+      masks::MaskModels models(answers, answers);
       models.find("front_1", world.png, "a lollipop", 8, 2);
       break;
     }

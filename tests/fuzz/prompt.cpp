@@ -1,9 +1,9 @@
 // Motion prompts: read without an inventory, then planned with one.
-#include "../unit/ground_scenes.h"
-#include "ground/proposal.h"
-#include "ground/scene_inventory.h"
-#include "ground/scene_plan.h"
 #include "guard.h"
+#include "plan/proposal.h"
+#include "plan/scene_inventory.h"
+#include "plan/scene_plan.h"
+#include "unit/plan/scenes.h"
 
 namespace {
 
@@ -28,13 +28,13 @@ Inventory cake_and_ball() {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const Inventory inventory = cake_and_ball();
-  static const ground::SceneGeometry geometry = ground::cubes_at({{"cake", {0, 0, 0}}, {"ball", {0, 0, 2}}}, 1);
+  static const plan::SceneGeometry geometry = plan::cubes_at({{"cake", {0, 0, 0}}, {"ball", {0, 0, 2}}}, 1);
   const std::string prompt(reinterpret_cast<const char*>(data), size);
   guard([&] {
-    ground::proposal_of(ground::read_prompt(prompt, ground::nouns_of(inventory)));
-    Inventory own = ground::inventory_from_prompt(prompt);
-    ground::complete_inventory(own, {"front"}, "prompt");
+    plan::proposal_of(plan::read_prompt(prompt, plan::nouns_of(inventory)));
+    Inventory own = plan::inventory_from_prompt(prompt);
+    plan::complete_inventory(own, {"front"}, "prompt");
   });
-  guard([&] { ground::plan_from_prompt(prompt, inventory, geometry, RunSpecification(), "scene.json"); });
+  guard([&] { plan::plan_from_prompt(prompt, inventory, geometry, RunSpecification(), "scene.json"); });
   return 0;
 }

@@ -13,10 +13,10 @@
 #include "records/metrics.h"
 #include "records/plan.h"
 #include "records/render.h"
+#include "records/scene.h"
 #include "records/screen.h"
 #include "records/study.h"
 #include "records/suite.h"
-#include "scene/scene.h"
 #include "scratch.h"
 
 namespace {

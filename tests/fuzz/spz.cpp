@@ -1,7 +1,7 @@
 // The inside of .spz files: what the input is compressed to always inflates, so the fuzzer reaches the values.
-#include "../unit/spz_bytes.h"
 #include "guard.h"
 #include "scene/gaussian_files.h"
+#include "unit/scene/spz_bytes.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string bytes = physmas::testing::gzip(std::string(reinterpret_cast<const char*>(data), size));

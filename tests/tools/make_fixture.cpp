@@ -15,9 +15,9 @@
 #include "records/execution.h"
 #include "records/masks.h"
 #include "records/render.h"
+#include "records/scene.h"
 #include "records/state.h"
-#include "scene/scene.h"
-#include "splat/image_io.h"
+#include "scene/image_file.h"
 #include "splat/video.h"
 
 using namespace physmas;
@@ -53,7 +53,7 @@ void make_views(const Arguments& a) {
   for (const SceneView& view : load_scene(a.at(0), {}).views) {
     Image image(view.camera.width, view.camera.height, 3);
     for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<uint8_t>(5 * i + view.name.size());
-    splat::save_png(view.image, image);
+    save_png(view.image, image);
   }
 }
 

@@ -4,16 +4,17 @@
 #include <cstdio>
 #include <map>
 
-#include "../unit/npz_bytes.h"
-#include "../unit/spz_bytes.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "bundle/physgaussian.h"
+#include "records/scene.h"
 #include "remote/exchange.h"
+#include "scene/camera.h"
 #include "scene/gaussian_files.h"
-#include "scene/physgaussian.h"
-#include "scene/scene.h"
-#include "splat/image_io.h"
+#include "scene/image_file.h"
 #include "splat/video.h"
+#include "unit/metrics/npz_bytes.h"
+#include "unit/scene/spz_bytes.h"
 
 using namespace physmas;
 
@@ -380,9 +381,9 @@ int main(int argc, char** argv) {
   for (const int channels : {1, 3, 4}) {
     Image image(5, 4, channels);
     for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = static_cast<uint8_t>(17 * i);
-    seed(fmt::format("images/png-{}", channels), splat::encode_png(image));
+    seed(fmt::format("images/png-{}", channels), encode_png(image));
   }
-  seed("images/png-16-bit", splat::encode_png(3, 2, {0, 1, 256, 1000, 65535, 7}));
+  seed("images/png-16-bit", encode_png(3, 2, {0, 1, 256, 1000, 65535, 7}));
   // A grey JPEG of 8 x 8 pixels: one block whose DC difference has no bits.
   seed("images/jpeg", std::string("\xff\xd8\xff\xdb\0\x43\0", 7) + std::string(64, '\1') +
                           std::string("\xff\xc0\0\x0b\x08\0\x08\0\x08\1\1\x11\0", 13) +

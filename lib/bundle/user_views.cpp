@@ -1,0 +1,136 @@
+#include "bundle/user_views.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <set>
+
+#include "base/file.h"
+#include "base/log.h"
+#include "bundle/choose_views.h"
+#include "bundle/dataparser_transform.h"
+#include "bundle/view_rig.h"
+#include "scene/image_file.h"
+
+namespace fs = std::filesystem;
+
+namespace physmas::bundle {
+namespace {
+
+constexpr double kFarOff = 45;  // degrees: nearer to another of the four directions
+
+UserViews read_own_list(const Json& list, const std::string& cameras, const std::string& folder,
+                        const std::optional<DataparserTransform>& turning, const std::string& bundle) {
+  if (!list.is_array())
+    throw invalid_input({cameras, "/", "JSON that is not a list", "a list of four {name, image, camera}"});
+  if (list.size() != 4)
+    throw invalid_input({cameras, "/", fmt::format("{} views", list.size()), "exactly four {name, image, camera}"});
+  // The list is what scene.json has as `views`, so its schema judges it.
+  validate_record({{"schema", "physmas/scene/1"}, {"name", "cameras"}, {"views", list}}, "scene", cameras);
+  UserViews user;
+  std::set<std::string> names;
+  for (size_t i = 0; i < list.size(); ++i) {
+    const std::string pointer = "/" + std::to_string(i);
+    SceneView view;
+    view.name = list[i].at("name").get<std::string>();
+    if (!names.insert(view.name).second)
+      throw invalid_field(cameras, pointer + "/name", view.name, "a name of its own for each view");
+    view.camera = camera_from(list[i].at("camera"), cameras, pointer + "/camera");
+    if (turning) turning->apply(view.camera);
+    const std::string source =
+        resolve_inside(folder, list[i].at("image").get<std::string>(), cameras, pointer + "/image");
+    const Image image = load_image(source);
+    if (image.width != view.camera.width || image.height != view.camera.height) {
+      throw invalid_input({source, "", fmt::format("an image of {} x {} pixels", image.width, image.height),
+                           fmt::format("{} x {} as its camera says", view.camera.width, view.camera.height)});
+    }
+    view.image = bundle + "/views/" + view.name + fs::path(source).extension().string();
+    user.files.push_back({view.image, read_file(source)});
+    user.views.push_back(std::move(view));
+  }
+  return user;
+}
+
+// The file of an image: under its whole name or its last part, with an extension where it lacks one.
+std::string find_image(const std::string& folder, const std::string& name, const std::string& cameras) {
+  const std::string last = fs::path(name).filename().string();
+  for (const std::string& candidate : {name, last}) {
+    const std::string normal = fs::path(candidate).lexically_normal().generic_string();
+    if (normal.empty() || normal[0] == '/' || normal.rfind("..", 0) == 0) continue;
+    for (const char* extension : {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG"}) {
+      const std::string file = folder + "/" + normal + extension;
+      std::error_code failure;
+      if (fs::is_regular_file(file, failure)) return file;
+    }
+  }
+  throw invalid_input({cameras, "", "the image \"" + one_line(name, 200) + "\"", "one that lies in " + folder,
+                       "--views DIR is the folder with the images"});
+}
+
+Camera scaled_to(Camera camera, const Image& image, const std::string& file) {
+  const double x = static_cast<double>(image.width) / camera.width,
+               y = static_cast<double>(image.height) / camera.height;
+  // Programs that shrink images round both sides.
+  if (std::abs(image.height - camera.height * x) > 1 && std::abs(image.width - camera.width * y) > 1) {
+    throw invalid_input({file, "", fmt::format("an image of {} x {} pixels", image.width, image.height),
+                         fmt::format("{} x {} as its camera says, or a scaled copy", camera.width, camera.height)});
+  }
+  camera.fx *= x, camera.cx *= x, camera.fy *= y, camera.cy *= y;
+  camera.width = image.width, camera.height = image.height;
+  return camera;
+}
+
+}  // namespace
+
+UserViews read_user_views(const std::string& cameras, const std::string& folder, const std::string& dataparser,
+                          const Eigen::Matrix3d& turn, const std::vector<Eigen::Vector3d>& points,
+                          const std::string& up, const std::string& bundle) {
+  const ImageSize size_of = [&](const std::string& name) {
+    const Image image = load_image(find_image(folder, name, cameras));
+    return std::make_pair(image.width, image.height);
+  };
+  std::optional<DataparserTransform> turning;  // none keeps cameras bit for bit
+  if (turn != Eigen::Matrix3d::Identity()) turning.emplace().rotation = turn;
+  std::vector<CapturedView> captured;
+  if (fs::path(cameras).extension() == ".json") {
+    const Json document = parse_json(read_file(cameras), cameras);
+    if (!is_captured_json(document)) return read_own_list(document, cameras, folder, turning, bundle);
+    captured = captured_views_from(document, cameras, size_of);
+  } else {
+    captured = load_captured_views(cameras, size_of);
+  }
+  if (!dataparser.empty()) {
+    const DataparserTransform transform = load_dataparser_transform(dataparser);
+    for (CapturedView& view : captured) transform.apply(view.camera);
+  }
+  for (CapturedView& view : captured) {
+    if (turning) turning->apply(view.camera);
+  }
+  const std::array<ChosenView, 4> chosen = choose_views(captured, points, up, cameras);
+  UserViews user;
+  user.transformed = !dataparser.empty();
+  for (size_t side = 0; side < chosen.size(); ++side) {
+    const CapturedView& from = captured[chosen[side].index];
+    const std::string source = find_image(folder, from.image, cameras);
+    SceneView view;
+    view.name = kViewNames[side];
+    const Image image = load_image(source);
+    view.camera = scaled_to(from.camera, image, source);
+    const bool distorted = !from.distortion.none();
+    view.image = bundle + "/views/" + view.name + (distorted ? ".png" : fs::path(source).extension().string());
+    user.chosen.emplace_back(view.name,
+                             fmt::format("{}, {:.1f} degrees off", one_line(from.image, 200), chosen[side].angle));
+    if (chosen[side].angle > kFarOff) {
+      log_warning(fmt::format("{}: no camera near the {} view; the nearest free one is {}", cameras, view.name,
+                              user.chosen.back().second));
+    }
+    user.files.push_back(
+        {view.image, distorted ? encode_png(undistorted(image, view.camera, from.distortion)) : read_file(source)});
+    user.views.push_back(std::move(view));
+  }
+  return user;
+}
+
+}  // namespace physmas::bundle

@@ -1,0 +1,41 @@
+// The user's own calibrated images, for a bundle.
+#ifndef PHYSMAS_BUNDLE_USER_VIEWS_H
+#define PHYSMAS_BUNDLE_USER_VIEWS_H
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "records/scene.h"
+
+namespace physmas::bundle {
+
+// A file that goes into the bundle as it is.
+struct CopiedFile {
+  std::string to;
+  std::string bytes;
+};
+
+struct UserViews {
+  std::vector<SceneView> views;  // four
+  std::vector<CopiedFile> files;
+  // What the record shall say: per view "front" and "images/0001.png, 3.2 degrees off". Empty for our own list.
+  std::vector<std::pair<std::string, std::string>> chosen;
+  bool transformed = false;  // by `dataparser`
+};
+
+// cameras: our own list of exactly four {name, image, camera}, or a file of load_captured_views, from which
+// choose_views takes four. Images lie in `folder` under the name that the file gives, with or without its folders, and
+// with an extension .png, .jpg or .jpeg where the name has none. Images of other programs may be smaller or larger than
+// their cameras say when both sides differ by one factor; the camera is scaled. Those of lenses with distortion are
+// undistorted and become PNG. dataparser: a file of
+// load_dataparser_transform that is applied to cameras of other programs, or empty. points, up: of the scene, for the
+// choice. turn: a rotation that the scene was turned by and that the cameras follow, at the end. bundle: the folder
+// that the copies go to. Errors (exit code 3) name file and field.
+UserViews read_user_views(const std::string& cameras, const std::string& folder, const std::string& dataparser,
+                          const Eigen::Matrix3d& turn, const std::vector<Eigen::Vector3d>& points,
+                          const std::string& up, const std::string& bundle);
+
+}  // namespace physmas::bundle
+
+#endif

@@ -1,0 +1,69 @@
+// Operations at output frames: structure projection and interface retention. Both act on the state after G2P and before
+// the frame is handed out; the corrected state seeds the next interval.
+#ifndef PHYSMAS_MPM_ACTION_PROJECTION_H
+#define PHYSMAS_MPM_ACTION_PROJECTION_H
+
+#include <vector>
+
+#include "mpm/state.h"
+
+namespace physmas::mpm {
+
+// Relaxes a support-like row towards its rest shape around its current centre (paper, Eqs. "structuremotion",
+// "structurestate"). Means are unweighted, over all particles of the row.
+struct StructureProjection {
+  // literal: the rest shape is not rotated, F goes to the identity, velocities to their mean, as the paper prints it.
+  // rigid: the rest shape is turned by the row's best-fit rotation R, F goes to R, and velocities to the rigid motion
+  // that fits them best, so that a support may topple.
+  enum class Mode { literal, rigid };
+  int row = 0;
+  double eta = 0.85;  // 0..1; 1 restores the rest shape
+  Mode mode = Mode::literal;
+};
+
+// Keeps particles that were close to a support at rest in their place relative to it (paper, "Initial-Neighborhood
+// Interface Retention").
+struct InterfaceRetention {
+  int support = 0;          // row r
+  std::vector<int> rows;    // candidate rows: of the same object, without the support
+  double distance = 0.045;  // d_b [m]: farthest rest distance to a particle of the support
+  int limit = 26000;        // particles kept, by ascending distance, ties by index
+  double eta = 0.95;        // weight of the position
+  double zeta = 0.95;       // weight of the velocity
+};
+
+// A projection with its particles and rest offsets δ_q = x_q⁰ − mean of the support's x⁰.
+class CompiledProjection {
+ public:
+  CompiledProjection(const StructureProjection& projection, const Particles& rest);
+  void apply(State& state) const;
+  bool empty() const { return particles_.empty(); }
+
+ private:
+  Mat3d best_rotation(const State& state, const Vec3d& center) const;
+  Vec3d best_spin(const State& state, const Vec3d& center, const Vec3d& velocity) const;
+
+  double eta_;
+  StructureProjection::Mode mode_;
+  std::vector<int> particles_;
+  std::vector<Vec3d> offset_;
+};
+
+class CompiledRetention {
+ public:
+  // A particle that is near several supports belongs to the nearest one, the earlier on ties, so retentions compile
+  // together.
+  static std::vector<CompiledRetention> compile(const std::vector<InterfaceRetention>& retentions,
+                                                const Particles& rest);
+  void apply(State& state) const;
+  const std::vector<int>& particles() const { return particles_; }  // retained, by ascending rest distance
+
+ private:
+  double eta_ = 0, zeta_ = 0;
+  std::vector<int> support_, particles_;
+  std::vector<Vec3d> offset_;
+};
+
+}  // namespace physmas::mpm
+
+#endif

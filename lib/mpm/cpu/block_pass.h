@@ -1,0 +1,437 @@
+// What one substep does with the particles of one block: gather from the grid, move, deform, evaluate stress, scatter.
+#ifndef PHYSMAS_MPM_CPU_BLOCK_PASS_H
+#define PHYSMAS_MPM_CPU_BLOCK_PASS_H
+
+#include <type_traits>
+
+#include "mpm/action/apply_control.h"
+#include "mpm/cpu/grid.h"
+#include "mpm/cpu/particle_store.h"
+#include "mpm/energy_budget.h"
+#include "mpm/material/constitutive.h"
+
+namespace physmas::mpm {
+
+// Particles stay this many cells away from the edge of the grid, inside the domain walls: every node of a stencil
+// exists.
+constexpr double kSafeCells = 2;
+// Registers of particles that are fetched ahead.
+constexpr int kPrefetch = 2;
+
+// What one block reports from one pass; summed in block order, so totals do not depend on the threads.
+struct BlockReport {
+  double kinetic = 0;       // J
+  double control_work = 0;  // J
+  double max_speed_squared = 0;
+  int clamped = 0, strays = 0;
+  bool not_finite = false;
+  ParticleEnergy energy;  // when measured
+};
+
+// Calls function with the branch as a constant.
+template <class Function>
+PHYSMAS_INLINE void with_branch(Branch branch, const Function& function) {
+  switch (branch) {
+    case Branch::jelly:
+      return function(std::integral_constant<int, static_cast<int>(Branch::jelly)>());
+    case Branch::metal:
+      return function(std::integral_constant<int, static_cast<int>(Branch::metal)>());
+    case Branch::sand:
+      return function(std::integral_constant<int, static_cast<int>(Branch::sand)>());
+    case Branch::foam:
+      return function(std::integral_constant<int, static_cast<int>(Branch::foam)>());
+    case Branch::snow:
+      return function(std::integral_constant<int, static_cast<int>(Branch::snow)>());
+    case Branch::plasticine:
+      return function(std::integral_constant<int, static_cast<int>(Branch::plasticine)>());
+  }
+}
+
+template <class T>
+class BlockPass {
+ public:
+  // All of them outlive the pass.
+  BlockPass(const StepperSetup& setup, const std::vector<MaterialParameters<T>>& parameters, ParticleStore<T>& store,
+            Grid<T>& grid, const ControlTable& before, const ControlTable& after)
+      : setup_(setup), parameters_(parameters), store_(store), grid_(grid), before_(before), after_(after) {}
+
+  // Block `index` of the store's map. kGather: ends a substep of dt [s] (`after` are its controls); kScatter: begins
+  // one (`before`); kMeasure: the energies.
+  template <bool kGather, bool kScatter, bool kMeasure>
+  BlockReport run(int index, double dt);
+
+ private:
+  using V = Lanes<T>;
+  static constexpr int W = kLanes<T>;
+  static_assert(W == Row<T>::kPart);
+
+  struct Run;
+  struct LaneState;
+  struct Rows;
+  LaneControls<T> controls_of(const Run& run, int group, const ControlTable& table) const;
+  void move(Run& run, int group, bool forced, const ForcedMotion<V>& motion, LaneState& s) const;
+  template <bool kMeasure>
+  LaneBits set_scattered(Run& run, int group, int column, const LaneState& s, const Mat3<V>& tau,
+                         GridNumbers<T>& numbers) const;
+  template <int kKnown, bool kGather, bool kScatter, bool kMeasure>
+  LaneBits advance(Run& run, int group, int column, GridNumbers<T>& numbers);
+  static void scatter_strays(const GridExchange<T>& exchange, T* nodes, const T* x, int column, LaneBits lanes,
+                             GridNumbers<T>& numbers);
+  Rows rows_of(int group) const;
+  MaterialParameters<V> parameters_of(const Rows& rows) const;
+  Mat3<V> update_stress(const Rows& rows, const V& dt, Mat3<V>& F, V& strength) const;
+
+  const StepperSetup& setup_;
+  const std::vector<MaterialParameters<T>>& parameters_;
+  ParticleStore<T>& store_;
+  Grid<T>& grid_;
+  const ControlTable &before_, &after_;
+};
+
+// The rows whose particles a register holds.
+template <class T>
+struct BlockPass<T>::Rows {
+  int count = 0, row[W] = {};
+  LaneBits lanes[W];
+
+  void add(int new_row, LaneBits its_lanes) {
+    int k = 0;
+    while (k < count && row[k] != new_row) ++k;
+    if (k == count) {
+      row[count] = new_row;
+      lanes[count++] = 0;
+    }
+    lanes[k] |= its_lanes;
+  }
+};
+
+template <class T>
+typename BlockPass<T>::Rows BlockPass<T>::rows_of(int group) const {
+  Rows rows;
+  if (store_.registers[group].row >= 0) {
+    rows.add(store_.registers[group].row, kAllLanes<T>);
+  } else {
+    for (int l = 0; l < W; ++l) {
+      const int i = store_.particle[group * W + l];
+      if (i >= 0) rows.add(setup_.row[i], LaneBits(1) << l);
+    }
+  }
+  return rows;
+}
+
+// Parameters lane by lane.
+template <class T>
+PHYSMAS_INLINE MaterialParameters<typename BlockPass<T>::V> BlockPass<T>::parameters_of(const Rows& rows) const {
+  MaterialParameters<V> p = convert_parameters<V>(parameters_[rows.row[0]]);
+  for (int k = 1; k < rows.count; ++k) {
+    p = select(lane_mask<T>(rows.lanes[k]), convert_parameters<V>(parameters_[rows.row[k]]), p);
+  }
+  return p;
+}
+
+template <class T>
+Mat3<typename BlockPass<T>::V> BlockPass<T>::update_stress(const Rows& rows, const V& dt, Mat3<V>& F,
+                                                           V& strength) const {
+  // Every row's own law for all lanes, of which its own are kept.
+  const Mat3<V> trial = F;
+  const V trial_strength = strength;
+  Mat3<V> tau{};
+  for (int k = 0; k < rows.count; ++k) {
+    Mat3<V> row_F = trial;
+    V row_strength = trial_strength;
+    const Mat3<V> row_tau = update_branch(setup_.branches[rows.row[k]], convert_parameters<V>(parameters_[rows.row[k]]),
+                                          dt, row_F, row_strength);
+    const auto mine = lane_mask<T>(rows.lanes[k]);
+    tau = select(mine, row_tau, tau);
+    F = select(mine, row_F, F);
+    strength = select(mine, row_strength, strength);
+  }
+  return tau;
+}
+
+// What the registers of one block have in common during a pass, and what they add up.
+template <class T>
+struct BlockPass<T>::Run {
+  const int index;
+  const ParticleBlock& block;
+  const double dt, dx;
+  const T move, step, gradient;  // cells per m/s, s, 1/cells of a first moment
+  const Vec3d origin;
+  bool at_edge = false;  // particles are held in the safe interior
+  bool leaving = false;  // some particles have left their column's cell
+  T low[3], high[3];
+  BlockReport report;
+  V kinetic = V(T(0)), speed_squared = V(T(0));
+  // Between gathering and scattering; and what is scattered without the forces' part, where energies are measured.
+  GridNumbers<T> numbers[kColumnBatch], force_free;
+
+  Run(int block_index, const ParticleBlock& particles, const Domain& domain, double seconds)
+      : index(block_index),
+        block(particles),
+        dt(seconds),
+        dx(domain.dx()),
+        move(T(dt / dx)),
+        step(T(dt)),
+        gradient(T(4 / dx)),
+        origin{kBlock * block.position[0] * dx, kBlock * block.position[1] * dx, kBlock * block.position[2] * dx} {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = T(kSafeCells - kBlock * block.position[axis]);
+      high[axis] = T(domain.n - kSafeCells - kBlock * block.position[axis]);
+      at_edge = at_edge || low[axis] > T(-2) || high[axis] < T(kBlock + 3);
+    }
+  }
+};
+
+// The particles of a register during a pass.
+template <class T>
+struct BlockPass<T>::LaneState {
+  Vec3<V> x, v;
+  Mat3<V> F, C;
+  V volume, mass, strength;
+};
+
+template <class T>
+PHYSMAS_INLINE LaneControls<T> BlockPass<T>::controls_of(const Run& run, int group, const ControlTable& table) const {
+  const auto& common = store_.registers[group];
+  if (common.control != store_.kSeveral) {
+    return load_controls<T>(table.group[common.control], common.lanes, run.origin, run.dx);
+  }
+  std::uint16_t groups[W];
+  for (int l = 0; l < W; ++l) {
+    const int i = store_.particle[group * W + l];
+    groups[l] = i >= 0 ? setup_.control_group[i] : 0;
+  }
+  return load_controls<T>(table, groups, run.origin, run.dx);
+}
+
+// Moves and deforms a register by a substep. forced: with `motion` on top of what was gathered.
+template <class T>
+PHYSMAS_INLINE void BlockPass<T>::move(Run& run, int group, bool forced, const ForcedMotion<V>& motion,
+                                       LaneState& s) const {
+  const V squared = dot(s.v, s.v);
+  run.kinetic += s.mass * squared;
+  run.speed_squared = at_least(squared, run.speed_squared);
+  for (int a = 0; a < 3; ++a) s.x[a] += run.move * s.v[a];
+  if (forced) {
+    for (int a = 0; a < 3; ++a) s.x[a] += run.move * motion.increment[a];
+    const Vec3<V> whole = s.v + motion.increment;
+    run.speed_squared = at_least(dot(whole, whole), run.speed_squared);
+  }
+  if (run.at_edge) {
+    const Vec3<V> moved = s.x;
+    for (int a = 0; a < 3; ++a) s.x[a] = at_most(at_least(s.x[a], V(run.low[a])), V(run.high[a]));
+    const auto held = moved.x != s.x.x || moved.y != s.x.y || moved.z != s.x.z;
+    run.report.clamped += stdx::popcount(held && s.volume > V(T(0)));
+  }
+  const Mat3<V> gradient = forced ? s.C + motion.increment_gradient : s.C;
+  s.F = s.F + V(run.step) * (gradient * s.F);
+  if (setup_.track_total_F) {
+    Mat3<V> total;
+    for (int k = 0; k < 9; ++k) total[k / 3][k % 3] = V(&store_.total_F[k][group * W], stdx::vector_aligned);
+    total = total + V(run.step) * (gradient * total);
+    for (int k = 0; k < 9; ++k) total[k / 3][k % 3].copy_to(&store_.total_F[k][group * W], stdx::vector_aligned);
+  }
+}
+
+// What goes to the grid: momenta, MLS forces (Hu et al. 2018) and weights. Returns the lanes that are not in their cell
+// of the column any more.
+template <class T>
+template <bool kMeasure>
+PHYSMAS_INLINE LaneBits BlockPass<T>::set_scattered(Run& run, int group, int column, const LaneState& s,
+                                                    const Mat3<V>& tau, GridNumbers<T>& numbers) const {
+  const Place<V> at = place_of(s.x, column >= 0 ? GridExchange<T>::column_base(column) : base_of(s.x));
+  numbers.set_weights(at);
+  // Per cell of offset: m C dx − dt V⁰ (4/dx) τ.
+  const V inertia = s.mass * T(run.dx), force = -(run.step * run.gradient) * s.volume;
+  const Mat3<V> Q = inertia * s.C + force * tau;
+  numbers.set(s.mass, s.mass * s.v + Q * at.to_center, Q);
+  if (kMeasure) {
+    const Mat3<V> spin = inertia * s.C;
+    run.force_free.set_weights(at);
+    run.force_free.set(s.mass, s.mass * s.v + spin * at.to_center, spin);
+  }
+  return column >= 0 ? lane_bits(strayed(at)) & store_.registers[group].lanes : 0;
+}
+
+// One register of particles, from `numbers` and back to them. column: its column's cell, or -1. kKnown: its branch,
+// where all its particles are of one and nothing but the material acts on them, so that numbers stay in registers; else
+// -1. Returns the lanes that are not in their cell of the column any more; their numbers are as if they were.
+template <class T>
+template <int kKnown, bool kGather, bool kScatter, bool kMeasure>
+LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& numbers) {
+  constexpr bool kPlain = kKnown >= 0;
+  constexpr bool kStrength = !kPlain || kKnown == static_cast<int>(Branch::plasticine);
+  const int first = group * W;
+  T* const state = store_.numbers(group);
+  const auto number = [&](int channel) { return V(state + channel * W, stdx::vector_aligned); };
+  const auto put = [&](int channel, const V& lanes) { lanes.copy_to(state + channel * W, stdx::vector_aligned); };
+  LaneState s;
+  for (int a = 0; a < 3; ++a) {
+    s.x[a] = number(a);
+    for (int b = 0; b < 3; ++b) s.F[a][b] = number(store_.kDeformation + 3 * a + b);
+  }
+  const Rows rows = kPlain ? Rows() : rows_of(group);
+  const MaterialParameters<V> p =
+      kPlain ? convert_parameters<V>(parameters_[store_.registers[group].row]) : parameters_of(rows);
+  s.volume = number(store_.kVolume);
+  s.mass = p.density * s.volume;
+  s.strength = kStrength && store_.has_strength ? V(&store_.strength[first], stdx::vector_aligned) : V(T(1));
+  for (int a = 0; a < 3; ++a) {
+    s.v[a] = kGather ? numbers.get(numbers.vector(a)) : V(&store_.v[a][first], stdx::vector_aligned);
+    for (int b = 0; b < 3; ++b) {
+      s.C[a][b] = kGather ? run.gradient * numbers.get(numbers.matrix(a, b))
+                          : V(&store_.C[3 * a + b][first], stdx::vector_aligned);
+    }
+  }
+
+  // Controls: the forced motion of the gathered substep, then blends and forces of the scattered one.
+  const bool controlled = !kPlain && store_.registers[group].control != 0;
+  const bool forced = kGather && controlled && after_.active;
+  ForcedMotion<V> motion;
+  GroupMotion<V> measured;
+  if (kMeasure) measured = {s.mass, s.volume, s.x, s.F, s.F, s.F, s.v, s.v, s.v, s.C, s.C, s.C};
+  if (kGather) {
+    if (forced) {
+      motion = force_motion<T>(controls_of(run, group, after_), s.x, s.mass, s.v, s.C, run.report.control_work);
+    }
+    move(run, group, forced, motion, s);
+  }
+
+  // A prime pass only evaluates stress; its F has been through the return map already.
+  if (kMeasure) measured.F_trial = s.F;
+  const V evolved(kGather ? run.step : T(0));
+  const Mat3<V> tau = kPlain ? update_branch(static_cast<Branch>(kKnown), p, evolved, s.F, s.strength)
+                             : update_stress(rows, evolved, s.F, s.strength);
+  if (kMeasure) {
+    measured.x = s.x, measured.v = s.v, measured.C = s.C;
+    measured.v_moved = forced ? s.v + motion.increment : s.v;
+    measured.C_moved = forced ? s.C + motion.increment_gradient : s.C;
+    if (kGather) measured.F = s.F;
+    Branch branch[W];
+    for (int l = 0; l < W; ++l) {
+      const int i = store_.particle[first + l];
+      branch[l] = setup_.branches[i >= 0 ? setup_.row[i] : 0];
+    }
+    measure_group(measured, p, branch, run.origin, setup_.domain.gravity, run.dx, kGather ? run.dt : 0,
+                  run.report.energy);
+  }
+  if (forced) run.report.control_work += elastic_work<T>(motion, tau, s.volume, run.step);
+
+  if (kGather) {
+    for (int a = 0; a < 3; ++a) {
+      put(a, s.x[a]);
+      for (int b = 0; b < 3; ++b) put(store_.kDeformation + 3 * a + b, s.F[a][b]);
+    }
+    if (kStrength && store_.has_strength) s.strength.copy_to(&store_.strength[first], stdx::vector_aligned);
+  }
+  if (!kScatter) {
+    for (int a = 0; a < 3; ++a) {
+      s.v[a].copy_to(&store_.v[a][first], stdx::vector_aligned);
+      for (int b = 0; b < 3; ++b) s.C[a][b].copy_to(&store_.C[3 * a + b][first], stdx::vector_aligned);
+    }
+    return 0;
+  }
+
+  if (controlled && before_.active) {
+    run.report.control_work += blend_controls<T>(controls_of(run, group, before_), s.x, s.mass, s.v, s.C);
+  }
+  if (kMeasure) {
+    const double scattered = affine_kinetic(s.mass, s.v, s.C, run.dx);
+    run.report.energy.control_before += scattered - affine_kinetic(s.mass, measured.v, measured.C, run.dx);
+    run.report.energy.scattered += scattered;
+  }
+  return set_scattered<kMeasure>(run, group, column, s, tau, numbers);
+}
+
+// Carries lanes that have left their column's cell to the grid, and takes them out of the numbers that go there with
+// the column.
+template <class T>
+void BlockPass<T>::scatter_strays(const GridExchange<T>& exchange, T* nodes, const T* x, int column, LaneBits lanes,
+                                  GridNumbers<T>& numbers) {
+  const Vec3<V> at = GridExchange<T>::load(x);
+  const Vec3<V> base = base_of(at);
+  const Vec3<V> shift = base - GridExchange<T>::column_base(column);
+  GridNumbers<T> strays;
+  strays.set_weights(place_of(at, base));
+  Vec3<V> momentum, none;
+  Mat3<V> Q;
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) Q[a][b] = numbers.get(numbers.matrix(a, b));
+    momentum[a] = numbers.get(numbers.vector(a));
+    none[a] = V(T(0));
+  }
+  // P belongs to the centre node.
+  strays.set(numbers.get(numbers.kMass), momentum + Q * shift, Q);
+  exchange.scatter_rows(nodes, x, lanes, strays);
+  const auto gone = lane_mask<T>(lanes);
+  numbers.set(select(gone, V(T(0)), numbers.get(numbers.kMass)), select(gone, none, momentum),
+              select(gone, Mat3<V>{{none, none, none}}, Q));
+}
+
+template <class T>
+template <bool kGather, bool kScatter, bool kMeasure>
+BlockReport BlockPass<T>::run(int index, double dt) {
+  const ParticleBlock& block = store_.map.particle_blocks[index];
+  const GridExchange<T> exchange(grid_.layout);
+  Run run(index, block, setup_.domain, dt);
+  const auto advance_any = [&](int group, int column, GridNumbers<T>& numbers) PHYSMAS_LAMBDA_INLINE {
+    const int row = store_.registers[group].row;
+    const bool controlled = store_.registers[group].control != 0 && (before_.active || after_.active);
+    if (kGather && kScatter && !kMeasure && row >= 0 && !controlled) {
+      LaneBits strays = 0;
+      with_branch(setup_.branches[row], [&](auto branch) PHYSMAS_LAMBDA_INLINE {
+        strays = advance<decltype(branch)::value, true, true, false>(run, group, column, numbers);
+      });
+      return strays;
+    }
+    return advance<-1, kGather, kScatter, kMeasure>(run, group, column, numbers);
+  };
+
+  const int begin = block.begin / W, end = begin + block.slots / W;
+  for (int group = begin, count = 1; group < end; group += count, count = 1) {
+    const int column = store_.registers[group].column;
+    while (column >= 0 && count < kColumnBatch && group + count < end &&
+           store_.registers[group + count].column == column) {
+      ++count;
+    }
+    LaneBits lanes[kColumnBatch];
+    const T* x[kColumnBatch];
+    for (int r = 0; r < count; ++r) {
+      store_.prefetch(group + r + kPrefetch);
+      lanes[r] = store_.registers[group + r].lanes;
+      x[r] = store_.numbers(group + r);
+    }
+    if (column < 0) {
+      if (lanes[0] == 0) continue;
+      if (kGather) exchange.gather_rows(grid_.velocity(block), x[0], lanes[0], run.numbers[0]);
+      advance_any(group, column, run.numbers[0]);
+      if (kScatter) exchange.scatter_rows(grid_.momentum(block), x[0], lanes[0], run.numbers[0]);
+      if (kMeasure && kScatter) exchange.scatter_rows(grid_.force_free(block), x[0], lanes[0], run.force_free);
+      continue;
+    }
+    if (kGather) exchange.gather_columns(grid_.velocity(block), column, count, x, lanes, run.numbers);
+    for (int r = 0; r < count; ++r) {
+      const LaneBits strays = advance_any(group + r, column, run.numbers[r]);
+      if (!kScatter) continue;
+      if (strays != 0) {
+        scatter_strays(exchange, grid_.momentum(block), x[r], column, strays, run.numbers[r]);
+        if (kMeasure) scatter_strays(exchange, grid_.force_free(block), x[r], column, strays, run.force_free);
+        store_.registers[group + r].leaving = strays;
+        run.leaving = true;
+      }
+      if (kMeasure) exchange.scatter_columns(grid_.force_free(block), column, 1, &run.force_free);
+    }
+    if (kScatter) exchange.scatter_columns(grid_.momentum(block), column, count, run.numbers);
+  }
+  if (run.leaving) store_.leave_columns(index);
+  BlockReport report = run.report;
+  report.strays = block.strayed;
+  report.kinetic = 0.5 * double(stdx::reduce(run.kinetic));
+  report.max_speed_squared = double(stdx::hmax(run.speed_squared));
+  report.not_finite = !std::isfinite(report.kinetic);
+  return report;
+}
+
+}  // namespace physmas::mpm
+
+#endif

@@ -1,0 +1,188 @@
+#include "mpm/stepper.h"
+
+#include <algorithm>
+#include <atomic>
+
+#include "base/clock.h"
+#include "mpm/cpu/block_pass.h"
+
+namespace physmas::mpm {
+
+namespace {
+
+// A sort is due before particles could drift this far [cells]: blocks reach one cell beyond their own.
+constexpr double kDriftLimit = 0.999;
+// A sort pays once the strays since the last one, per particle, have cost as much: for a loss that grows evenly that is
+// the least on average.
+constexpr double kStraysPerSort = 2;
+
+template <class T>
+class TypedStepper final : public Stepper {
+ public:
+  explicit TypedStepper(const StepperSetup& setup);
+  long long load(const State& state) override {
+    drift_ = 0;
+    strays_ = 0;
+    const long long clamped = store_.load(state);
+    prepare();
+    return clamped;
+  }
+  void store(State& state) const override { store_.store(state); }
+  StepReport advance(int steps, double dt, const ControlSource& controls, double energy_limit) override;
+  int active_grid_blocks() const override { return static_cast<int>(store_.map.grid_blocks.size()); }
+  size_t particle_bytes() const override { return store_.bytes(); }
+  size_t grid_bytes() const override { return grid_.bytes(); }
+
+ private:
+  void prepare();
+  void sort(StepReport& report);
+  void update_grid(double dt, StepReport& report);
+  template <bool kGather, bool kScatter>
+  void pass(double dt, StepReport& report);
+
+  StepperSetup setup_;
+  double dx_;
+  std::vector<MaterialParameters<T>> parameters_;
+  ParticleStore<T> store_;
+  Grid<T> grid_;
+  std::vector<BlockReport> reports_;              // per particle block
+  std::vector<std::atomic<std::uint32_t>> done_;  // per run of blocks: the last pass that it is through
+  std::uint32_t pass_ = 0;                        // counts the passes
+  EnergyLedger ledger_;
+
+  long long strays_ = 0;         // particles that columns have lost since the sort, summed over substeps
+  double drift_ = 0;             // cells since the last sort, at most
+  double next_drift_ = 0;        // cells in the coming pass, at most
+  double kinetic_ = 0;           // J, of the last gathered substep
+  ControlTable before_, after_;  // of the substep that is scattered, of the one that was gathered
+  BlockPass<T> block_pass_{setup_, parameters_, store_, grid_, before_, after_};
+};
+
+template <class T>
+TypedStepper<T>::TypedStepper(const StepperSetup& setup)
+    : setup_(setup), dx_(setup.domain.dx()), store_(setup_, kSafeCells), grid_(setup_, store_.map) {
+  for (const auto& p : setup_.parameters) parameters_.push_back(convert_parameters<T>(p));
+}
+
+template <class T>
+void TypedStepper<T>::prepare() {
+  grid_.prepare();
+  reports_.assign(store_.map.particle_blocks.size(), {});
+  done_ = std::vector<std::atomic<std::uint32_t>>(store_.map.waits_for.size());
+}
+
+// Needs no velocities: it happens between the grid update and the next gather.
+template <class T>
+void TypedStepper<T>::sort(StepReport& report) {
+  const Stopwatch watch;
+  store_.sort();
+  prepare();
+  drift_ = 0;
+  strays_ = 0;
+  ++report.sorts;
+  report.seconds_sort += watch.seconds();
+}
+
+template <class T>
+void TypedStepper<T>::update_grid(double dt, StepReport& report) {
+  const Stopwatch watch;
+  GridEnergy energy;
+  // Particle velocities are convex combinations of node velocities, so none is faster than the fastest node.
+  next_drift_ = grid_.update(dt, energy) * dt / dx_;
+  if (setup_.measure_steps) ledger_.grid(energy);
+  report.seconds_grid += watch.seconds();
+}
+
+template <class T>
+template <bool kGather, bool kScatter>
+void TypedStepper<T>::pass(double dt, StepReport& report) {
+  const Stopwatch watch;
+  // Threads take runs of blocks by colour and meet at no node; where neighbours of another colour are at work, they
+  // wait. So every node sums in the same order, whatever the threads.
+  const BlockMap& map = store_.map;
+  ++pass_;
+  const auto for_each_block = [&](const auto& work) {
+    setup_.team->for_each(map.thread_bounds, [&](int run) {
+      for (const int other : map.waits_for[run]) {
+        for (int round = 0; kScatter && done_[other].load(std::memory_order_acquire) != pass_; ++round) {
+          Team::pause(round);
+        }
+      }
+      for (int k = map.run_bounds[run]; k < map.run_bounds[run + 1]; ++k) work(map.order[k]);
+      done_[run].store(pass_, std::memory_order_release);
+    });
+  };
+  if (setup_.measure_steps) {
+    for_each_block([&](int b) { reports_[b] = block_pass_.template run<kGather, kScatter, true>(b, dt); });
+    ParticleEnergy energy;
+    for (const BlockReport& r : reports_) energy.add(r.energy);
+    kGather ? ledger_.finish(energy) : ledger_.begin(energy);
+    report.energy = ledger_.total();
+  } else {
+    for_each_block([&](int b) { reports_[b] = block_pass_.template run<kGather, kScatter, false>(b, dt); });
+  }
+  double kinetic = 0, speed_squared = 0;
+  long long clamped = 0;
+  for (const BlockReport& r : reports_) {
+    kinetic += r.kinetic;
+    report.control_work += r.control_work;
+    speed_squared = std::max(speed_squared, r.max_speed_squared);
+    clamped += r.clamped;
+    strays_ += r.strays;
+    if (r.not_finite) report.fault = StepFault::not_finite;
+  }
+  if (kGather) {
+    kinetic_ = kinetic;
+    report.particles_clamped = std::max(report.particles_clamped, clamped);
+    report.max_speed = std::max(report.max_speed, std::sqrt(speed_squared));
+    if (report.fault == StepFault::none && std::sqrt(speed_squared) * dt > dx_) report.fault = StepFault::speed;
+  }
+  report.seconds_particles += watch.seconds();
+}
+
+template <class T>
+StepReport TypedStepper<T>::advance(int steps, double dt, const ControlSource& controls, double energy_limit) {
+  StepReport report;
+  if (steps <= 0 || store_.slots() == 0) return report;
+  before_.active = controls(0, before_.group);
+  pass<false, true>(dt, report);
+  while (true) {
+    update_grid(dt, report);
+    std::swap(after_, before_);
+    if (after_.active) {
+      double enforced = 0, increment = 0;
+      for (const Control& c : after_.group) {
+        if (c.enforces()) enforced = std::max(enforced, c.top_speed());
+        const double weight = std::max(c.position.along, c.position.across);
+        if (weight > 0) increment = std::max(increment, weight * c.speed_limit);
+      }
+      // Motion that is enforced in one direction only keeps what it has in the others.
+      next_drift_ = std::hypot(next_drift_, enforced * dt / dx_) + increment * dt / dx_;
+    }
+    const bool strayed = static_cast<double>(strays_) > kStraysPerSort * static_cast<double>(setup_.row.size());
+    if (drift_ > 0 && (strayed || !(drift_ + next_drift_ <= kDriftLimit))) sort(report);
+    const bool last = report.steps + 1 == steps;
+    if (last) {
+      pass<true, false>(dt, report);
+    } else {
+      before_.active = controls(report.steps + 1, before_.group);
+      pass<true, true>(dt, report);
+    }
+    drift_ += next_drift_;
+    ++report.steps;
+    if (report.fault == StepFault::none && kinetic_ > energy_limit + 2 * report.control_work) {
+      report.fault = StepFault::energy;
+    }
+    if (report.fault != StepFault::none) grid_.clear();
+    if (last || report.fault != StepFault::none) return report;
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Stepper> make_stepper(Precision precision, const StepperSetup& setup) {
+  if (precision == Precision::full) return std::make_unique<TypedStepper<double>>(setup);
+  return std::make_unique<TypedStepper<float>>(setup);
+}
+
+}  // namespace physmas::mpm

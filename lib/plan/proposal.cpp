@@ -1,0 +1,36 @@
+#include "plan/proposal.h"
+
+#include "base/words.h"
+
+namespace physmas::plan {
+
+using Kind = Meaning::Kind;
+
+Json proposal_of(const Reading& reading) {
+  Json proposal = {{"agent", "builtin"}, {"events", Json::array()}};
+  for (const Event& event : reading.events) {
+    const Meaning& meaning = event.verb.meaning;
+    Json entry = {{"verb", event.word},
+                  {"meaning", meaning.kind == Kind::action    ? action_name(meaning.type)
+                              : meaning.kind == Kind::gravity ? "gravity"
+                                                              : "outcome"}};
+    const auto add = [&](const char* name, const NounPhrase& phrase) {
+      if (!phrase.empty()) entry[name] = join(phrase, " ");
+    };
+    add("subject", event.subject);
+    add("object", event.object);
+    add("by", event.agent);
+    add("with", event.instrument);
+    add("goal", event.goal);
+    add("toward", event.toward);
+    if (event.strength != 1) entry["strength"] = event.strength;
+    if (event.speed) entry["speed"] = *event.speed;
+    if (event.duration) entry["duration"] = *event.duration;
+    if (event.delay) entry["delay"] = *event.delay;
+    if (event.negated) entry["negated"] = true;
+    proposal["events"].push_back(entry);
+  }
+  return proposal;
+}
+
+}  // namespace physmas::plan

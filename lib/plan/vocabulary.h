@@ -1,0 +1,91 @@
+// The words that the built-in agent knows: verbs, directions, strengths, and the small words around them.
+#ifndef PHYSMAS_PLAN_VOCABULARY_H
+#define PHYSMAS_PLAN_VOCABULARY_H
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "records/plan.h"
+
+namespace physmas::plan {
+
+// What a verb asks for: one of the ten actions of the paper's Table "actions", or nothing that needs an action.
+struct Meaning {
+  enum class Kind {
+    action,   // `type` says which
+    gravity,  // gravity and the colliders of the run specification do it
+    outcome   // something that the simulation shows or does not show; nothing to command
+  } kind = Kind::outcome;
+  ActionType type = ActionType::translation;
+};
+
+struct Verb {
+  std::string lemma;
+  Meaning meaning;
+  // Where the thing goes when the prompt does not say: "up", "down", "in" (a scale that makes smaller), or empty.
+  std::string direction;
+};
+
+// The verb that a token is a form of; empty when it is none that we know.
+std::optional<Verb> find_verb(const std::string& token);
+
+// Directions as seen in the front view. `toward`: out of the image to the viewer; `away`: into the image.
+enum class DirectionWord {
+  none,
+  up,
+  down,
+  left,
+  right,
+  toward,
+  away,
+  plus_x,
+  minus_x,
+  plus_y,
+  minus_y,
+  plus_z,
+  minus_z,
+  clockwise,  // as seen from above
+  counterclockwise
+};
+
+// "down", "leftwards", "forward", "+x", ...; none for other tokens. Whether a word such as "left" means a direction in
+// its place is for the parser to judge.
+DirectionWord find_direction(const std::string& token);
+// The direction of something that comes from there: "from above" is down.
+DirectionWord opposite(DirectionWord word);
+
+// Factor on the default magnitude; 0 for tokens that say nothing about strength.
+double strength_factor(const std::string& token);
+// Factor of "very", "extremely", ... on the distance of the next strength word from 1; 0 for other tokens.
+double intensifier(const std::string& token);
+
+bool is_determiner(const std::string& token);
+bool is_pronoun(const std::string& token);
+bool is_auxiliary(const std::string& token);   // be, get, make, let, start, ...: no event of their own
+bool makes_passive(const std::string& token);  // the forms of be and get
+bool gives(const std::string& token);          // light verbs: "give it a push"
+bool is_negation(const std::string& token);    // not, never, without
+bool ends_clause(const std::string& token);    // and, then, while, "," ...
+bool is_external(const std::string& noun);     // hand, someone, wind: acts from outside the scene
+bool is_wind(const std::string& noun);         // wind, breeze, gust: its push is an impulse
+bool is_ground(const std::string& noun);       // floor, table: what the run's colliders stand for
+bool is_filler(const std::string& token);      // words that carry nothing for the plan
+
+// Bounds and defaults of the actions (seconds, fractions of the run's duration). Magnitudes are m/s of solver space,
+// rad/s of a torque, and final over rest extent of compressions and scale. The paper bounds magnitudes without printing
+// the bounds: these are ours (docs/method-lifting.md).
+struct ActionRange {
+  ActionType type;
+  double magnitude, min, max;
+  double start;         // s
+  double end_fraction;  // of the run's duration
+};
+ActionRange range_of(ActionType type);
+// Whether the magnitude is a ratio of extents, so that a strength scales its distance from 1.
+bool is_ratio(ActionType type);
+const char* magnitude_unit(ActionType type);  // "m/s", "rad/s", or empty
+
+}  // namespace physmas::plan
+
+#endif

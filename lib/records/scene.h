@@ -1,0 +1,65 @@
+// The scene bundle: scene.json, or the slice of it that one stage depends on.
+#ifndef PHYSMAS_RECORDS_SCENE_H
+#define PHYSMAS_RECORDS_SCENE_H
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "records/camera.h"
+#include "records/json.h"
+#include "records/provenance.h"
+#include "records/run_specification.h"
+
+namespace physmas {
+
+// One of the four calibrated views. `image` is a path that can be opened.
+struct SceneView {
+  std::string name;
+  std::string image;
+  Camera camera;
+};
+
+// Paths are resolved: they can be opened as they are. Empty where the file (a slice) does not have them.
+struct Scene {
+  std::string file;   // the scene.json or slice that was read
+  std::string root;   // the bundle's folder
+  std::string slice;  // stage name, empty for a whole scene
+  std::string name;
+  std::string prompt;
+  std::string gaussians;
+  std::vector<SceneView> views;  // four, or none in a slice that needs none
+  std::vector<Camera> output_cameras;
+  std::string inventory;  // authored, or empty
+  std::string masks;      // authored masks folder, or empty
+  RunSpecification run;
+
+  // The camera of output frame t: cameras are one for all frames, or one per frame.
+  const Camera& output_camera(int t) const {
+    return output_cameras.size() == 1 ? output_cameras[0] : output_cameras.at(t);
+  }
+};
+
+// What a stage cannot do without; a missing part is an Error (exit code 3) that names the field.
+struct SceneNeeds {
+  bool prompt = false;
+  bool gaussians = false;
+  bool views = false;
+  bool output_cameras = false;
+};
+
+// Reads and validates scene.json or a slice. All paths must stay inside the bundle's folder. Files that a slice
+// lists with their SHA-256 must still have it.
+Scene load_scene(const std::string& path, const SceneNeeds& needs);
+
+// Writes scene.json. `scene` paths must lie inside the folder of `path`. Views must be four (or none were asked for:
+// never), output cameras one or T.
+void save_scene(const std::string& path, const Scene& scene, const Provenance& provenance);
+
+// Cuts `scene` into one slice per stage under `folder` (ground.json, lift.json, ...), each rewritten only when its
+// content changes. `overrides`: a run object whose fields win over the scene's (JSON merge patch, RFC 7396).
+void write_slices(const std::string& scene_path, const Json& overrides, const std::string& folder);
+
+}  // namespace physmas
+
+#endif

@@ -1,0 +1,16 @@
+// The subcommands of pm-eval that study the solver itself.
+#ifndef PHYSMAS_STUDIES_COMMANDS_H
+#define PHYSMAS_STUDIES_COMMANDS_H
+
+#include "base/command_line.h"
+#include "studies/stability.h"
+
+namespace physmas::studies {
+
+Subcommand add_accuracy_command(CLI::App& app, const PaperStep& paper_step);
+Subcommand add_stability_command(CLI::App& app, const PaperStep& paper_step);
+Subcommand add_verification_command(CLI::App& app);
+
+}  // namespace physmas::studies
+
+#endif

@@ -1,0 +1,95 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "bundle/view_rig.h"
+#include "scene/placement.h"
+
+using namespace physmas;
+using namespace physmas::bundle;
+using Eigen::Vector3d;
+
+namespace {
+
+const std::vector<Vector3d> kCorners = {{-1, -2, 0}, {1, -2, 0}, {-1, 2, 0}, {1, 2, 0},
+                                        {-1, -2, 3}, {1, -2, 3}, {-1, 2, 3}, {1, 2, 3}};
+
+}  // namespace
+
+TEST_CASE("look_at puts the target into the middle, up towards the top and right to the right") {
+  const Camera camera = look_at({0, -5, 1}, {0, 0, 1}, {0, 0, 1}, 0.6, 200, 100);
+  CHECK(camera.center().isApprox(Vector3d(0, -5, 1), 1e-12));
+  CHECK(camera.to_camera({0, 0, 1}).isApprox(Vector3d(0, 0, 5), 1e-12));
+  const Eigen::Vector2d middle = camera.project(camera.to_camera({0, 0, 1}));
+  CHECK(middle.x() == doctest::Approx(100));
+  CHECK(middle.y() == doctest::Approx(50));
+  CHECK(camera.project(camera.to_camera({0, 0, 1.5})).y() < 50);
+  CHECK(camera.project(camera.to_camera({0.5, 0, 1})).x() > 100);
+  // Half the angle of view reaches the upper edge.
+  CHECK(camera.project(camera.to_camera({0, 0, 1 + 5 * std::tan(0.3)})).y() == doctest::Approx(0).epsilon(1e-9));
+  CHECK(camera.rotation().determinant() == doctest::Approx(1));
+}
+
+TEST_CASE("scene axes are rotations, and the front camera looks where the table says") {
+  for (const char* up : {"x", "y", "z", "-x", "-y", "-z"}) {
+    const Eigen::Matrix3d axes = scene_axes(up);
+    CHECK((axes * axes.transpose()).isIdentity(1e-12));
+    CHECK(axes.determinant() == doctest::Approx(1));
+  }
+  CHECK(scene_axes("z").isIdentity());
+  CHECK(scene_axes("-y").col(1).isApprox(Vector3d::UnitZ()));
+  CHECK(scene_axes("y").col(1).isApprox(Vector3d(-Vector3d::UnitZ())));
+  CHECK_THROWS(scene_axes("w"));
+}
+
+TEST_CASE("a framed camera sees every point, and could not be nearer") {
+  for (const char* up : {"z", "-y"}) {
+    const Framing framing = {up, 40, 0.1, 300, 200};
+    const Camera camera = frame_points(kCorners, {25, 15}, framing);
+    double worst = 0;
+    for (const Vector3d& p : kCorners) {
+      const Vector3d q = camera.to_camera(p);
+      REQUIRE(q.z() > 0);
+      const Eigen::Vector2d pixel = camera.project(q);
+      worst = std::max({worst, std::abs(pixel.x() - 150) / 150, std::abs(pixel.y() - 100) / 100});
+    }
+    CHECK(worst == doctest::Approx(0.9).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("the four views look from front, right, back and left at one distance") {
+  const std::vector<Camera> cameras = view_cameras(kCorners, 0, {"z", 40, 0.1, 100, 100});
+  REQUIRE(cameras.size() == 4);
+  CHECK(cameras[0].center().y() < -2);
+  CHECK(cameras[1].center().x() > 1);
+  CHECK(cameras[2].center().y() > 2);
+  CHECK(cameras[3].center().x() < -1);
+}
+
+TEST_CASE("stray Gaussians do not move the views") {
+  Gaussians gaussians;
+  gaussians.resize(1001, 0);
+  for (int i = 0; i < 1000; ++i)
+    gaussians.position[i] = {static_cast<float>(i % 10), static_cast<float>(i / 10 % 10), static_cast<float>(i / 100)};
+  gaussians.position[1000] = {500, 0, 0};
+  CHECK(means_of(gaussians).size() == 1001);
+  CHECK(robust_means_of(gaussians).size() == 1000);
+}
+
+TEST_CASE("the solver's map puts the bounding box where the placement says") {
+  Gaussians gaussians;
+  gaussians.resize(2, 0);
+  gaussians.position = {{0, 0, 0}, {1, 4, 2}};
+  RunSpecification run;
+  run.placement.center = {1, 1, 0.8};
+  const SolverMap map = solver_map(gaussians, run);
+  CHECK(map.s == doctest::Approx(0.25));
+  CHECK(map.to_solver({0.5, 2, 1}).isApprox(Vector3d(1, 1, 0.8), 1e-12));
+  CHECK(heights_of(gaussians, run).lowest == doctest::Approx(0.55));
+  run.placement.up = "-y";
+  CHECK(heights_of(gaussians, run).lowest == doctest::Approx(-1.5));
+  CHECK(wall_heights(run).lowest == doctest::Approx(-2 + 3 * run.grid.dx()));
+  const RunSpecification::Collider floor = floor_at(-1.6, run);
+  CHECK(floor.normal.isApprox(Vector3d(0, -1, 0)));
+  CHECK(floor.point.isApprox(Vector3d(1, 1.6, 1), 1e-12));
+}

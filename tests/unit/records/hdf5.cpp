@@ -1,0 +1,177 @@
+// HDF5 artifacts: deterministic bytes, round trips, hostile files.
+#include <doctest/doctest.h>
+#include <hdf5.h>
+
+#include <functional>
+#include <limits>
+
+#include "base/file.h"
+#include "records/hdf5_file.h"
+#include "records/masks.h"
+#include "records/rollout.h"
+#include "records/state.h"
+#include "unit/input_error.h"
+#include "unit/temporary_folder.h"
+
+using namespace physmas;
+
+namespace {
+
+Provenance test_provenance() {
+  Provenance provenance;
+  provenance.tool = "test";
+  return provenance;
+}
+
+State small_state() {
+  State state;
+  state.row_keys = {"cake/plate", "cake/sponge"};
+  for (int i = 0; i < 5; ++i) {
+    state.position.push_back(Eigen::Vector3f(0.5f + 0.1f * i, 1, 1));
+    state.volume.push_back(1e-6f);
+    state.row.push_back(i % 2);
+    state.object.push_back(0);
+    state.source.push_back(i < 3 ? i : 0);
+  }
+  state.row[3] = state.row[4] = 0;
+  state.gaussian_row = {0, 1, 0};
+  state.gaussian_object = {0, 0, 0};
+  state.gaussian_confidence = {1, 0.5f, 0.25f};
+  state.map.s = 0.25;
+  state.map.d = {1, 2, 3};
+  return state;
+}
+
+}  // namespace
+
+TEST_CASE("hdf5: a state survives saving and loading, and equal states give equal bytes") {
+  const TemporaryFolder folder;
+  save_state(folder / "a.h5", small_state(), test_provenance());
+  save_state(folder / "b.h5", small_state(), test_provenance());
+  CHECK(read_file(folder / "a.h5") == read_file(folder / "b.h5"));
+  const State loaded = load_state(folder / "a.h5");
+  CHECK(loaded.gaussian_count() == 3);
+  CHECK(loaded.particle_count() == 5);
+  CHECK(loaded.position[4] == small_state().position[4]);
+  CHECK(loaded.map.d == Eigen::Vector3d(1, 2, 3));
+  CHECK(loaded.gaussians_per_row() == std::vector<long>{2, 1});
+}
+
+TEST_CASE("hdf5: states with impossible contents are refused") {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::function<void(State&)>& change) {
+    State state = small_state();
+    change(state);
+    save_state(folder / "s.h5", state, test_provenance());
+    return message_of([&] { load_state(folder / "s.h5"); });
+  };
+  CHECK(error([](State&) {}) == "no error");
+  CHECK(error([](State& s) { s.row[4] = -1; }).find("/particles/row: found -1 at element 4") != std::string::npos);
+  CHECK(error([](State& s) { s.gaussian_row[0] = 7; }).find("/gaussians/row") != std::string::npos);
+  CHECK(error([](State& s) { s.position[3].x() = 2.5f; }).find("/particles/position") != std::string::npos);
+  CHECK(error([](State& s) { s.position[3].x() = std::numeric_limits<float>::quiet_NaN(); }).find("finite") !=
+        std::string::npos);
+  CHECK(error([](State& s) { s.volume[2] = 0; }).find("/particles/volume") != std::string::npos);
+  CHECK(error([](State& s) { s.source[1] = 2; }).find("/particles/source") != std::string::npos);
+  CHECK(error([](State& s) { s.map.s = 0; }).find("/map/@s") != std::string::npos);
+}
+
+TEST_CASE("hdf5: a state must belong to its inventory") {
+  const TemporaryFolder folder;
+  save_state(folder / "s.h5", small_state(), test_provenance());
+  Inventory inventory;
+  inventory.objects = {{"cake", "cake", "", {}, {}}};
+  inventory.rows.resize(2);
+  inventory.rows[0].object = inventory.rows[1].object = "cake";
+  inventory.rows[0].part = "plate";
+  inventory.rows[1].part = "icing";
+  CHECK(message_of([&] { load_state(folder / "s.h5", &inventory); }).find("rows of the inventory") !=
+        std::string::npos);
+  inventory.rows[1].part = "sponge";
+  CHECK_NOTHROW(load_state(folder / "s.h5", &inventory));
+}
+
+TEST_CASE("hdf5: a file cut anywhere is refused, never crashes") {
+  const TemporaryFolder folder;
+  save_state(folder / "s.h5", small_state(), test_provenance());
+  const std::string bytes = read_file(folder / "s.h5");
+  for (size_t size = 0; size < bytes.size(); size += 97) {
+    CAPTURE(size);
+    write_file(folder / "cut.h5", bytes.substr(0, size));
+    CHECK(message_of([&] { load_state(folder / "cut.h5"); }) != "no error");
+  }
+  CHECK(message_of([&] { load_state(folder / "missing.h5"); }) != "no error");
+}
+
+TEST_CASE("hdf5: another record, another type, another shape are refused by name") {
+  const TemporaryFolder folder;
+  save_state(folder / "s.h5", small_state(), test_provenance());
+  CHECK(message_of([&] { RolloutReader(folder / "s.h5", 3); }).find("/@schema: found \"physmas/state/1\"") !=
+        std::string::npos);
+  {
+    Hdf5Writer out(folder / "r.h5", "rollout", test_provenance());
+    const std::vector<int32_t> ints(6);
+    out.write_int("/frames/time", {6}, ints.data());
+    out.commit();
+  }
+  CHECK(message_of([&] { RolloutReader(folder / "r.h5", 3); }).find("/frames/time: found another element type") !=
+        std::string::npos);
+  {
+    RolloutWriter out(folder / "r.h5", 2, "elastic", test_provenance());
+    const std::vector<float> x(6, 1), F(18, 0), v(6, 0);
+    out.append(0, x.data(), F.data(), v.data());
+    out.append(0.04, x.data(), F.data(), v.data());
+    out.commit();
+  }
+  CHECK(message_of([&] { RolloutReader(folder / "r.h5", 3); }).find("/frames/position") != std::string::npos);
+  const RolloutReader reader(folder / "r.h5", 2);
+  CHECK(reader.frame_count() == 2);
+  CHECK(reader.frame(1).position.size() == 6);
+}
+
+TEST_CASE("hdf5: an attribute of several texts is refused before it is read") {
+  const TemporaryFolder folder;
+  const std::string path = folder / "texts.h5";
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, 8);
+  const hsize_t count = 4;
+  const hid_t space = H5Screate_simple(1, &count, nullptr);
+  const hid_t attribute = H5Acreate2(file, "schema", type, space, H5P_DEFAULT, H5P_DEFAULT);
+  const char texts[4][8] = {"physmas", "physmas", "physmas", "physmas"};
+  CHECK(H5Awrite(attribute, type, texts) >= 0);
+  H5Aclose(attribute);
+  H5Sclose(space);
+  H5Tclose(type);
+  H5Fclose(file);
+  CHECK(message_of([&] { load_state(path); }).find("/@schema: found 4 texts, expected one text") != std::string::npos);
+}
+
+TEST_CASE("hdf5: masks name unknown views, objects and rows") {
+  const TemporaryFolder folder;
+  Inventory inventory;
+  inventory.objects = {{"cake", "cake", "", {}, {}}};
+  inventory.rows.resize(1);
+  inventory.rows[0].object = "cake";
+  inventory.rows[0].part = "plate";
+  Mask mask;
+  mask.width = 4, mask.height = 3;
+  mask.pixels.assign(12, 255);
+  mask.confidence = 0.75;
+  mask.source = "hints";
+  save_masks(folder / "m.h5", inventory, {{"front", {mask}, {mask}}, {"back", {Mask()}, {Mask()}}}, {},
+             test_provenance());
+  const std::vector<ViewMasks> loaded = load_masks(folder / "m.h5", inventory, {"front", "back"});
+  CHECK(loaded[0].rows[0].area() == 12);
+  CHECK(loaded[0].rows[0].confidence == 0.75);
+  CHECK(loaded[1].objects[0].empty());
+  CHECK(message_of([&] { load_masks(folder / "m.h5", inventory, {"front"}); }).find("/views/back") !=
+        std::string::npos);
+  CHECK(message_of([&] {
+          load_masks(folder / "m.h5", inventory, {"front", "back", "left"});
+        }).find("/views/left") != std::string::npos);
+  inventory.rows[0].part = "icing";
+  CHECK(message_of([&] {
+          load_masks(folder / "m.h5", inventory, {"front", "back"});
+        }).find("unknown row key") != std::string::npos);
+}
