@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/words.h"
 #include "plan/scene_inventory.h"
+#include "scene/camera.h"
 #include "unit/plan/scenes.h"
 
 using namespace physmas;
