@@ -150,40 +150,9 @@ endif
 
 # --- Runs ---------------------------------------------------------------------------------------------------------
 
-EXAMPLE ?=
-GAUSSIANS ?=
-PROMPT ?=
-UP ?=
-SCENE ?=
-
-ifneq ($(filter demo,$(MAKECMDGOALS)),)
-  RUN ?= runs/demo
-  EXAMPLE := $(or $(EXAMPLE),cake)
-endif
-ifneq ($(filter run,$(MAKECMDGOALS)),)
-  # An import without a prompt is a mistake that is better told here than by a tool.
-  ifneq ($(GAUSSIANS),)
-    ifeq ($(strip $(value PROMPT)),)
-      $(error make run GAUSSIANS=... also needs PROMPT="what should happen")
-    endif
-  endif
-  RUN ?= runs/$(firstword $(EXAMPLE) $(subst .compressed,,$(basename $(notdir $(or $(GAUSSIANS),$(patsubst %/scene.json,%,$(SCENE)))))) run)
-  ifeq ($(EXAMPLE)$(GAUSSIANS)$(SCENE),)
-    ifeq ($(wildcard $(RUN)/bundle/scene.json),)
-      $(error make run needs GAUSSIANS=file.ply PROMPT="...", EXAMPLE=name, SCENE=scene.json, or the RUN= of an earlier run)
-    endif
-    SCENE := $(RUN)/bundle/scene.json
-  endif
-endif
-ifneq ($(filter demo run,$(MAKECMDGOALS)),)
-  include pipelines/physmas.mk
-endif
-ifneq ($(filter batch,$(MAKECMDGOALS)),)
-  include pipelines/batch.mk
-endif
-ifneq ($(filter evaluate,$(MAKECMDGOALS)),)
-  include pipelines/evaluate.mk
-endif
+BUILT_TOOLS := $(TOOLS:%=$(BIN)/%)
+SAME_MAKE :=
+include pipelines/runs.mk
 
 .PHONY: demo run batch evaluate evaluate-register
 demo: run-finished ## Install, build, run the example EXAMPLE=cake end to end, say where the video is

@@ -1,4 +1,4 @@
-# Many scenes, one call: make -j2 batch SCENES="cake ball-glass", or SCENES=list.txt. Included by the Makefile for the goal
+# Many scenes, one call: make -j2 batch SCENES="cake ball-glass", or SCENES=list.txt. Included by runs.mk for the goal
 # `batch`.
 #
 # SCENES   names of examples, scene.json files and 3DGS files; or one text file of them, one per line, where variables of
@@ -12,7 +12,7 @@
 
 BATCH ?= runs/batch
 BATCH_LIST := $(BATCH)/scenes.list
-BATCH_NAMES := $(shell pipelines/batch-scenes.sh $(BATCH_LIST) $(SCENES))
+BATCH_NAMES := $(shell bash $(PIPELINES)batch-scenes.sh $(BATCH_LIST) $(SCENES))
 ifneq ($(.SHELLSTATUS),0)
   $(error make batch needs SCENES="name scene.json file.ply ..." or SCENES=list.txt, every run with a name of its own)
 endif
@@ -20,13 +20,15 @@ endif
 .PHONY: batch-finished $(BATCH_NAMES:%=batch-scene-%)
 
 # The recipe does not fail: what went wrong is the scene's row of the table.
-$(BATCH_NAMES:%=batch-scene-%): batch-scene-%: | $(TOOLS:%=$(BIN)/%)
+$(BATCH_NAMES:%=batch-scene-%): batch-scene-%: | $(call built,$(RUN_TOOLS))
 	+@mkdir -p $(BATCH)/$*; start=$$(date +%s%N); \
 	mapfile -t arguments < <(sed -n 's/^$*\t//p' $(BATCH_LIST) | tr '\t' '\n'); \
-	status=0; $(MAKE) --no-print-directory run "$${arguments[@]}" RUN=$(BATCH)/$* SCENES= >$(BATCH)/$*/log.txt 2>&1 </dev/null || status=$$?; \
+	status=0; $(MAKE) $(SAME_MAKE) --no-print-directory run "$${arguments[@]}" RUN=$(BATCH)/$* SCENES= \
+	  >$(BATCH)/$*/log.txt 2>&1 </dev/null || status=$$?; \
 	echo "$$status $$(( ($$(date +%s%N) - start) / 1000000 ))" | awk '{ printf "%d %.3f\n", $$1, $$2 / 1000 }' >$(BATCH)/$*/batch.status; \
 	printf '  %-9s  %s\n' "$$([ $$status -eq 0 ] && echo accepted || echo failed)" $(BATCH)/$*
 
-batch-finished: $(BATCH_NAMES:%=batch-scene-%) | $(BIN)/pm-screen
-	@$(BIN)/pm-screen --table $(BATCH_NAMES:%=$(BATCH)/%) --out $(BATCH)/table.tsv
+batch-finished: $(BATCH_NAMES:%=batch-scene-%) | $(call built,pm-screen)
+	@$(call job,table,1,$(BATCH_NAMES:%=$(BATCH)/%),$(BATCH)/table.tsv,$(BATCH)/table.log) \
+	$(BIN)/pm-screen --table $(BATCH_NAMES:%=$(BATCH)/%) --out $(BATCH)/table.tsv
 	@column -t -s "$$(printf '\t')" $(BATCH)/table.tsv 2>/dev/null || cat $(BATCH)/table.tsv

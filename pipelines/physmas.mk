@@ -1,4 +1,4 @@
-# The DAG of one run (paper, Algorithm 1). Included by the Makefile for the goals `run` and `demo`.
+# The DAG of one run (paper, Algorithm 1). Included by runs.mk for the goals `run` and `demo`.
 #
 # RUN      the run's folder
 # Where the scene comes from, one of:
@@ -13,7 +13,8 @@
 # PREDICTOR  none, the URL of an inference server, replay:DIR, or a file of records          -> pm-material --predictor
 # AUTHORED a file of authored material records                                               -> pm-material --authored
 # BASE     another run of the same scene: ground, lift and material whose inputs are equal to its inputs take its results
-# THREADS  threads per tool; by default the cores are divided by make's -j
+# THREADS  threads per tool; by default the executor says how many
+# EXECUTOR where tools run: the name of a file in executors/ (local), or a file
 #
 # Two conventions carry the incremental behaviour:
 #
@@ -31,9 +32,8 @@ BUNDLE := $(if $(SCENE),$(patsubst %/,%,$(dir $(SCENE))),$(RUN)/bundle)
 SCENE_FILE := $(if $(SCENE),$(SCENE),$(BUNDLE)/scene.json)
 PHASE := $(if $(MAKE_RESTARTS),$(MAKE_RESTARTS),0)
 
-CORES := $(shell nproc)
-jobs = $(or $(patsubst -j%,%,$(filter -j%,$(MAKEFLAGS))),1)
-tool_threads = --threads $(or $(THREADS),$$(( $(CORES) / $(jobs) > 0 ? $(CORES) / $(jobs) : 1 )))
+# The name of a stage's job is its stamp's.
+threads = $(call job_threads,$(@F))
 
 # $(call missing,FILES): FORCE when one of the files is not there.
 missing = $(if $(filter-out $(wildcard $(1)),$(1)),FORCE)
@@ -61,20 +61,11 @@ ifeq ($(PHASE),0)
   ifneq ($(shell mkdir -p $(RUN) $(STAMPS) && echo made),made)
     $(error $(RUN) cannot be made: is its folder writable?)
   endif
-  ifneq (x$(strip $(file <$(RUN)/request)),$(if $(wildcard $(RUN)/request),x)$(strip $(REQUEST)))
-    $(file >$(RUN)/request,$(REQUEST))
-  endif
-  ifneq (x$(strip $(file <$(RUN)/settings)),$(if $(wildcard $(RUN)/settings),x)$(strip $(SETTINGS)))
-    $(file >$(RUN)/settings,$(SETTINGS))
-  endif
-  ifneq (x$(strip $(file <$(RUN)/ground-models)),$(if $(wildcard $(RUN)/ground-models),x)$(strip $(GROUND_MODELS)))
-    $(file >$(RUN)/ground-models,$(GROUND_MODELS))
-  endif
-  ifneq (x$(strip $(file <$(RUN)/models)),$(if $(wildcard $(RUN)/models),x)$(strip $(MODELS)))
-    $(file >$(RUN)/models,$(MODELS))
-  endif
 endif
-$(RUN)/request $(RUN)/settings $(RUN)/ground-models $(RUN)/models: ;
+$(eval $(call remember,$(RUN)/request,$(REQUEST)))
+$(eval $(call remember,$(RUN)/settings,$(SETTINGS)))
+$(eval $(call remember,$(RUN)/ground-models,$(GROUND_MODELS)))
+$(eval $(call remember,$(RUN)/models,$(MODELS)))
 
 # --- The bundle ---------------------------------------------------------------------------------------------------
 
@@ -82,20 +73,22 @@ ifeq ($(SCENE),)
 BUNDLE_FILES := $(sort $(BUNDLE)/scene.json $(wildcard $(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.*))
 
 ifneq ($(EXAMPLE),)
-$(STAMPS)/bundle: examples/$(EXAMPLE).json $(RUN)/request $(call missing,$(BUNDLE)/scene.json) | $(BIN)/pm-scene
+$(STAMPS)/bundle: $(EXAMPLES)$(EXAMPLE).json $(RUN)/request $(call missing,$(BUNDLE)/scene.json) | $(call built,pm-scene)
 	$(call stage,synth,$(BUNDLE))
-	@$(BIN)/pm-scene synth $< --out $(BUNDLE) $(tool_threads)
+	@$(call job,$(@F),$(threads),$(job_inputs),$(BUNDLE)/scene.json,$@.log) \
+	$(BIN)/pm-scene synth $< --out $(BUNDLE) --threads $(threads)
 	$(finish)
 else
 $(STAMPS)/bundle: $(GAUSSIANS) $(INVENTORY) $(SPEC) $(PHYSGAUSSIAN) $(CAMERAS) $(filter-out none,$(DATAPARSER)) $(wildcard $(addsuffix /*,$(MASKS) $(VIEWS))) $(RUN)/request \
-                  $(call missing,$(BUNDLE)/scene.json) | $(BIN)/pm-scene
+                  $(call missing,$(BUNDLE)/scene.json) | $(call built,pm-scene)
 	$(call stage,import,$(BUNDLE))
-	@$(BIN)/pm-scene import "$(GAUSSIANS)" --prompt "$$PM_PROMPT" --out $(BUNDLE) \
+	@$(call job,$(@F),$(threads),$(job_inputs),$(BUNDLE)/scene.json,$@.log) \
+	$(BIN)/pm-scene import "$(GAUSSIANS)" --prompt "$$PM_PROMPT" --out $(BUNDLE) \
 	  $(if $(UP),--up=$(UP)) $(if $(INVENTORY),--inventory $(INVENTORY)) $(if $(MASKS),--masks $(MASKS)) \
 	  $(if $(VIEWS),--views $(VIEWS)) $(if $(CAMERAS),--cameras $(CAMERAS)) \
 	  $(if $(DATAPARSER),--dataparser-transforms $(DATAPARSER)) $(if $(SPEC),--run $(SPEC)) \
 	  $(if $(PHYSGAUSSIAN),--physgaussian $(PHYSGAUSSIAN)) $(if $(OPACITY),--opacity-threshold $(OPACITY)) \
-	  $(if $(CROP),--crop $(CROP)) $(if $(DROP),--drop $(DROP)) $(if $(AZIMUTH),--azimuth $(AZIMUTH)) $(if $(ELEVATION),--elevation $(ELEVATION)) $(tool_threads)
+	  $(if $(CROP),--crop $(CROP)) $(if $(DROP),--drop $(DROP)) $(if $(AZIMUTH),--azimuth $(AZIMUTH)) $(if $(ELEVATION),--elevation $(ELEVATION)) --threads $(threads)
 	$(finish)
 endif
 $(BUNDLE_FILES): $(STAMPS)/bundle ;
@@ -106,9 +99,10 @@ endif
 # --- The run specification, one slice per stage -------------------------------------------------------------------
 
 SLICES := $(foreach s,ground lift material candidates simulate render screen,$(RUN)/spec/$(s).json)
-$(STAMPS)/spec: $(BUNDLE_FILES) $(RUN)/settings $(call missing,$(SLICES)) | $(BIN)/pm-scene
+$(STAMPS)/spec: $(BUNDLE_FILES) $(RUN)/settings $(call missing,$(SLICES)) | $(call built,pm-scene)
 	$(call stage,spec,$(RUN)/spec)
-	@$(BIN)/pm-scene slice --scene $(SCENE_FILE) --out $(RUN)/spec $(foreach s,$(SET),--set '$(s)')
+	@$(call job,$(@F),1,$(job_inputs),$(SLICES),$@.log) \
+	$(BIN)/pm-scene slice --scene $(SCENE_FILE) --out $(RUN)/spec $(foreach s,$(SET),--set '$(s)')
 	$(finish)
 $(SLICES): $(STAMPS)/spec ;
 
@@ -124,44 +118,51 @@ or_base = $(if $(BASE),( $(foreach f,$(1),cmp -s $(RUN)/$(f) $(BASE)/$(f) &&) \
 replayed = $(wildcard $(patsubst replay:%,%/*.json,$(filter replay:%,$(1))))
 GROUNDED := $(RUN)/inventory.json $(RUN)/plan.json $(RUN)/masks.h5
 $(STAMPS)/ground: $(RUN)/spec/ground.json $(RUN)/ground-models $(call replayed,$(SCENE_AGENT)) $(call replayed,$(PERCEPTION)) \
-                  $(call missing,$(GROUNDED)) | $(BIN)/pm-ground
+                  $(call missing,$(GROUNDED)) | $(call built,pm-ground)
 	$(call stage,ground,$(RUN)/inventory.json)
 	@$(call or_base,spec/ground.json ground-models,inventory.json plan.json masks.h5) \
+	$(call job,$(@F),$(threads),$(job_inputs),$(GROUNDED),$@.log) \
 	$(BIN)/pm-ground --scene $< --out $(RUN) $(if $(SCENE_AGENT),--agent "$(SCENE_AGENT)" $(if $(MODEL),--model "$(MODEL)")) \
-	  $(if $(PERCEPTION),--perception "$(PERCEPTION)") $(tool_threads)
+	  $(if $(PERCEPTION),--perception "$(PERCEPTION)") --threads $(threads)
 	$(finish)
 $(GROUNDED): $(STAMPS)/ground ;
 
-$(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(call missing,$(RUN)/state.h5) | $(BIN)/pm-lift
+$(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(call missing,$(RUN)/state.h5) | $(call built,pm-lift)
 	$(call stage,lift,$(RUN)/state.h5)
 	@$(call or_base,spec/lift.json inventory.json masks.h5,state.h5) \
-	$(BIN)/pm-lift --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --out $(RUN)/state.h5 $(tool_threads)
+	$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/state.h5,$@.log) \
+	$(BIN)/pm-lift --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --out $(RUN)/state.h5 --threads $(threads)
 	$(finish)
 $(RUN)/state.h5: $(STAMPS)/lift ;
 
 MATERIAL_INPUTS := $(call replayed,$(AGENT)) $(call replayed,$(PREDICTOR)) $(wildcard $(AUTHORED) $(filter-out replay:%,$(PREDICTOR)))
 $(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks.h5 $(RUN)/state.h5 $(RUN)/models \
-                    $(MATERIAL_INPUTS) $(call missing,$(RUN)/evidence.json) | $(BIN)/pm-material
+                    $(MATERIAL_INPUTS) $(call missing,$(RUN)/evidence.json) | $(call built,pm-material)
 	$(call stage,material,$(RUN)/evidence.json)
 	@$(if $(MATERIAL_INPUTS),,$(call or_base,spec/material.json inventory.json masks.h5 state.h5 models,evidence.json)) \
+	$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/evidence.json,$@.log) \
 	$(BIN)/pm-material --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --state $(RUN)/state.h5 \
 	  --out $(RUN)/evidence.json $(if $(AGENT),--agent "$(AGENT)") $(if $(MODEL),--model "$(MODEL)") \
-	  $(if $(PREDICTOR),--predictor "$(PREDICTOR)") $(if $(AUTHORED),--authored "$(AUTHORED)") $(tool_threads)
+	  $(if $(PREDICTOR),--predictor "$(PREDICTOR)") $(if $(AUTHORED),--authored "$(AUTHORED)") --threads $(threads)
 	$(finish)
 $(RUN)/evidence.json: $(STAMPS)/material ;
 
 # --- Candidates of a round, and what is done with each ------------------------------------------------------------
 
-# $(call candidates_rules,N): the candidates of round N; from round 1 on they are repairs that the screen asked for.
+# $(eval) reads these rules once more, so that a $$(call ...) in a recipe is given its arguments unexpanded, as $$(...).
+
+# $(call candidates_rules,N,PREVIOUS): the candidates of round N; from round 1 on they are repairs that the screen of the
+# PREVIOUS one asked for.
 define candidates_rules
 $(STAMPS)/candidates$(1): $(RUN)/spec/candidates.json $(RUN)/inventory.json $(RUN)/plan.json $(RUN)/evidence.json \
     $(RUN)/state.h5 $(if $(2),$(RUN)/screen/round$(2).json) \
     $(call missing,$(RUN)/candidates/round$(1).json $(RUN)/candidates/round$(1).mk $(PM_ROUND$(1):%=$(RUN)/candidates/%.json)) \
-    | $(BIN)/pm-candidates
-	$$(call stage,candidates,$(RUN)/candidates/round$(1).json)
-	@$(BIN)/pm-candidates --scene $$< --inventory $(RUN)/inventory.json --plan $(RUN)/plan.json \
+    | $(call built,pm-candidates)
+	$$(call stage,candidates,$$(RUN)/candidates/round$(1).json)
+	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/candidates/round$(1).json $$(RUN)/candidates/round$(1).mk,$$@.log) \
+	$(BIN)/pm-candidates --scene $$< --inventory $(RUN)/inventory.json --plan $(RUN)/plan.json \
 	  --evidence $(RUN)/evidence.json --state $(RUN)/state.h5 --out $(RUN)/candidates \
-	  $(if $(2),--repair $(RUN)/screen/round$(2).json) $$(tool_threads)
+	  $(if $(2),--repair $(RUN)/screen/round$(2).json) --threads $$(threads)
 	$$(finish)
 $(RUN)/candidates/round$(1).json $(RUN)/candidates/round$(1).mk $(PM_ROUND$(1):%=$(RUN)/candidates/%.json): \
     $(STAMPS)/candidates$(1) ;
@@ -170,17 +171,19 @@ endef
 # $(call candidate_rules,ID): simulation and rendering of one candidate.
 define candidate_rules
 $(STAMPS)/simulate-$(1): $(RUN)/spec/simulate.json $(RUN)/state.h5 $(RUN)/candidates/$(1).json \
-    $(call missing,$(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json) | $(BIN)/pm-simulate
-	$$(call stage,simulate,$(RUN)/rollouts/$(1).h5)
-	@$(BIN)/pm-simulate --scene $$< --state $(RUN)/state.h5 --candidate $(RUN)/candidates/$(1).json \
-	  --out $(RUN)/rollouts/$(1).h5 $$(tool_threads)
+    $(call missing,$(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json) | $(call built,pm-simulate)
+	$$(call stage,simulate,$$(RUN)/rollouts/$(1).h5)
+	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/rollouts/$(1).h5 $$(RUN)/rollouts/$(1).json,$$@.log) \
+	$(BIN)/pm-simulate --scene $$< --state $(RUN)/state.h5 --candidate $(RUN)/candidates/$(1).json \
+	  --out $(RUN)/rollouts/$(1).h5 --threads $$(threads)
 	$$(finish)
 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json: $(STAMPS)/simulate-$(1) ;
 $(STAMPS)/render-$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json \
-    $(call missing,$(RUN)/videos/$(1).json) | $(BIN)/pm-render
-	$$(call stage,render,$(RUN)/videos/$(1).mp4)
-	@$(BIN)/pm-render --scene $$< --state $(RUN)/state.h5 --rollout $(RUN)/rollouts/$(1).h5 \
-	  --out $(RUN)/videos/$(1).mp4 --sheet $(RUN)/videos/$(1).png $$(tool_threads)
+    $(call missing,$(RUN)/videos/$(1).json) | $(call built,pm-render)
+	$$(call stage,render,$$(RUN)/videos/$(1).mp4)
+	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/videos/$(1).json,$$@.log) \
+	$(BIN)/pm-render --scene $$< --state $(RUN)/state.h5 --rollout $(RUN)/rollouts/$(1).h5 \
+	  --out $(RUN)/videos/$(1).mp4 --sheet $(RUN)/videos/$(1).png --threads $$(threads)
 	$$(finish)
 $(RUN)/videos/$(1).json: $(STAMPS)/render-$(1) ;
 endef
@@ -190,12 +193,13 @@ endef
 define screen_rules
 $(STAMPS)/screen$(1): $(RUN)/spec/screen.json $(RUN)/plan.json $(RUN)/evidence.json $(RUN)/inventory.json \
     $(3:%=$(RUN)/candidates/round%.json) $(2:%=$(RUN)/candidates/%.json) $(2:%=$(RUN)/rollouts/%.json) $(2:%=$(RUN)/videos/%.json) \
-    $(call missing,$(RUN)/screen/round$(1).json $(RUN)/screen/round$(1).mk) | $(BIN)/pm-screen
-	$$(call stage,screen,$(RUN)/screen/round$(1).json)
-	@$(BIN)/pm-screen --scene $$< --plan $(RUN)/plan.json --evidence $(RUN)/evidence.json \
+    $(call missing,$(RUN)/screen/round$(1).json $(RUN)/screen/round$(1).mk) | $(call built,pm-screen)
+	$$(call stage,screen,$$(RUN)/screen/round$(1).json)
+	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/screen/round$(1).json $$(RUN)/screen/round$(1).mk,$$@.log) \
+	$(BIN)/pm-screen --scene $$< --plan $(RUN)/plan.json --evidence $(RUN)/evidence.json \
 	  --inventory $(RUN)/inventory.json --candidates $(RUN)/candidates --rollouts $(RUN)/rollouts \
 	  --videos $(RUN)/videos --round $(1) --out $(RUN)/screen/round$(1).json \
-	  --accepted $(RUN)/accepted.json --final $(RUN)/final.mp4 --quiet $$(tool_threads) || [ $$$$? -eq 6 ]
+	  --accepted $(RUN)/accepted.json --final $(RUN)/final.mp4 --quiet --threads $$(threads) || [ $$$$? -eq 6 ]
 	$$(finish)
 $(RUN)/screen/round$(1).json $(RUN)/screen/round$(1).mk: $(STAMPS)/screen$(1) ;
 endef
@@ -206,52 +210,33 @@ endef
 $(STAMPS)/phase%.mk: FORCE
 	@touch $@
 
-# $(call trusted,K): not empty when the facts of phases below K are up to date in this invocation.
-trusted = $(filter $(1),$(wordlist 1,$(words x $(wordlist 1,$(PHASE),1 2 3 4 5 6)),0 1 2 3 4 5 6))
+# The facts in the order in which they are learned, one with each restart, and those that are up to date in this
+# invocation. A run specification has at most three rounds.
+FACTS := $(foreach n,0 1 2,candidates/round$(n).mk screen/round$(n).mk)
+KNOWN := $(wordlist 1,$(PHASE),$(FACTS))
+known = $(addprefix $(RUN)/,$(filter $(1),$(KNOWN)))
 
-LAST_ROUND := 0
--include $(if $(call trusted,1),$(RUN)/candidates/round0.mk)
-IDS := $(PM_ROUND0)
-$(eval $(call candidates_rules,0,))
-$(foreach id,$(PM_ROUND0),$(eval $(call candidate_rules,$(id))))
-$(eval $(call screen_rules,0,$(IDS),0))
-NEXT := 1
-PHASE_NEEDS := $(RUN)/candidates/round0.mk
+# $(call round_rules,N): round N, after those in ROUNDS, as far as it is known.
+define round_rules
+PREVIOUS := $(LAST_ROUND)
+LAST_ROUND := $(1)
+ROUNDS += $(1)
+-include $$(call known,candidates/round$(1).mk)
+IDS += $$(PM_ROUND$(1))
+$$(eval $$(call candidates_rules,$(1),$$(PREVIOUS)))
+$$(foreach id,$$(PM_ROUND$(1)),$$(eval $$(call candidate_rules,$$(id))))
+$$(eval $$(call screen_rules,$(1),$$(IDS),$$(ROUNDS)))
+include $$(call known,screen/round$(1).mk)
+endef
+ROUNDS :=
+IDS :=
+LAST_ROUND :=
+$(eval $(call round_rules,0))
+# The next one, when the screen of the last is known and asked for repairs.
+$(foreach n,1 2,$(if $(filter repair,$(PM_DECISION$(LAST_ROUND))),$(eval $(call round_rules,$(n)))))
 
-ifneq ($(call trusted,1),)
-  NEXT := 2
-  PHASE_NEEDS := $(RUN)/screen/round0.mk
-endif
-ifneq ($(call trusted,2),)
-  include $(RUN)/screen/round0.mk
-  NEXT :=
-  ifeq ($(PM_DECISION0),repair)
-    LAST_ROUND := 1
-    -include $(if $(call trusted,3),$(RUN)/candidates/round1.mk)
-    IDS := $(PM_ROUND0) $(PM_ROUND1)
-    $(eval $(call candidates_rules,1,0))
-    $(foreach id,$(PM_ROUND1),$(eval $(call candidate_rules,$(id))))
-    $(eval $(call screen_rules,1,$(IDS),0 1))
-    NEXT := $(if $(call trusted,4),,$(if $(call trusted,3),4,3))
-    PHASE_NEEDS := $(if $(call trusted,3),$(RUN)/screen/round1.mk,$(RUN)/candidates/round1.mk)
-  endif
-endif
-ifneq ($(call trusted,4),)
-  include $(RUN)/screen/round1.mk
-  ifeq ($(PM_DECISION1),repair)
-    LAST_ROUND := 2
-    -include $(if $(call trusted,5),$(RUN)/candidates/round2.mk)
-    IDS := $(PM_ROUND0) $(PM_ROUND1) $(PM_ROUND2)
-    $(eval $(call candidates_rules,2,1))
-    $(foreach id,$(PM_ROUND2),$(eval $(call candidate_rules,$(id))))
-    $(eval $(call screen_rules,2,$(IDS),0 1 2))
-    NEXT := $(if $(call trusted,6),,$(if $(call trusted,5),6,5))
-    PHASE_NEEDS := $(if $(call trusted,5),$(RUN)/screen/round2.mk,$(RUN)/candidates/round2.mk)
-  endif
-endif
-ifneq ($(call trusted,6),)
-  include $(RUN)/screen/round2.mk
-endif
+# The first fact of these rounds that is not known yet.
+NEXT := $(firstword $(filter-out $(KNOWN),$(foreach n,$(ROUNDS),$(filter %/round$(n).mk,$(FACTS)))))
 
 # `make -n` must not run anything, so it sees the graph only as far as it is known.
 ifneq ($(findstring n,$(filter-out -%,$(firstword $(MAKEFLAGS)))),)
@@ -259,8 +244,9 @@ ifneq ($(findstring n,$(filter-out -%,$(firstword $(MAKEFLAGS)))),)
 endif
 ifneq ($(NEXT),)
   # All tools are built before the first restart: later readings skip the header dependencies.
-  $(STAMPS)/phase$(NEXT).mk: $(PHASE_NEEDS) | $(TOOLS:%=$(BIN)/%)
-  include $(STAMPS)/phase$(NEXT).mk
+  PHASE_FILE := $(STAMPS)/phase$(words $(KNOWN) $(NEXT)).mk
+  $(PHASE_FILE): $(RUN)/$(NEXT) | $(call built,$(RUN_TOOLS))
+  include $(PHASE_FILE)
 endif
 
 # --- The end of a run ---------------------------------------------------------------------------------------------
@@ -275,6 +261,7 @@ ifneq ($(ACCEPTED),)
 	@rm -f $(STAMPS)/work
 else
 	@rm -f $(STAMPS)/work
-	@$(BIN)/pm-screen --explain --out $(RUN)/screen/round$(LAST_ROUND).json
+	@$(call job,explain,1,$(job_inputs),,$(STAMPS)/explain.log) \
+	$(BIN)/pm-screen --explain --out $(RUN)/screen/round$(LAST_ROUND).json
 	@echo "No candidate was admitted: see $(RUN)/screen/round$(LAST_ROUND).json" >&2; exit 6
 endif
