@@ -82,10 +82,8 @@ cameras() {
 }
 
 @test "every example can be synthesised" {
-  for e in examples/*.json; do
-    grep -q physmas/example/1 "$e" || continue
-    "$BIN/pm-scene" synth "$e" --out "$BATS_TEST_TMPDIR/$(basename "$e" .json)"
-  done
+  examples=$(grep -l '"physmas/example/1"' examples/*.json)
+  for e in $examples; do "$BIN/pm-scene" synth "$e" --out "$BATS_TEST_TMPDIR/$(basename "$e" .json)"; done
 }
 
 @test "the bytes do not depend on the number of threads" {

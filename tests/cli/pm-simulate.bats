@@ -120,12 +120,12 @@ setup() { enter_tiny_run; }
 @test "pm-simulate: a place that cannot be written leaves nothing" {
   touch file
   fails_with 3 simulate --out file/x.h5 -- "file/x.h5"
-  if mount -t tmpfs -o size=16k tmpfs "$(mkdir -p full && echo full)" 2>/dev/null; then
-    status=0
-    fails_with 3 simulate --out full/x.h5 -- "full/x.h5" || status=$?
-    left=$(ls -A full)
-    umount full
-    [ "$status" -eq 0 ]
-    [ -z "$left" ]
-  fi
+  mkdir full
+  mount -t tmpfs -o size=16k tmpfs full 2>/dev/null || skip "no full disk: tmpfs cannot be mounted here"
+  status=0
+  fails_with 3 simulate --out full/x.h5 -- "full/x.h5" || status=$?
+  left=$(ls -A full)
+  umount full
+  [ "$status" -eq 0 ]
+  [ -z "$left" ]
 }

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "scene/gaussian_files.h"
+#include "unit/skip_test.h"
 #include "unit/temporary_folder.h"
 
 namespace {
@@ -97,7 +98,7 @@ void check_error(const std::string& bytes, const std::vector<std::string>& parts
 std::string shared_data(const std::string& name) {
   const std::string path = "../shared/data/" + name;
   if (std::filesystem::exists(path)) return path;
-  MESSAGE("skipped: " << path << " is absent");
+  skip_test("no " + path);
   return "";
 }
 
