@@ -25,7 +25,7 @@ runs_as() { # PROMPT ACTION...
   done
   grep -q '"status": "stable"' rollouts/support-stiff.json
   # The controls moved something: nothing is omitted for want of actions.
-  ! grep -q '"what": "actions"' rollouts/support-stiff.json
+  refute grep -q '"what": "actions"' rollouts/support-stiff.json
 }
 
 @test "actions: push, press, hit" {

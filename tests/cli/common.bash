@@ -19,6 +19,14 @@ fails_with() { # CODE COMMAND... -- TEXT...
   [ -z "$(find . -name '.*.tmp*')" ] || { echo "a temporary file is left"; return 1; }
 }
 
+# The command says no: exit code 1, as grep, cmp and diff have it where nothing is found or something differs. Not `!`, whose
+# failure bats ignores, and which is content with a command that could not even read its file.
+refute() { # COMMAND...
+  local status=0
+  "$@" || status=$?
+  [ "$status" -eq 1 ] || { echo "exit code $status, expected 1: $*"; return 1; }
+}
+
 # --help: exit code 0, the usage on stdout, nothing on stderr.
 shows_help() { # TOOL
   "$bin/$1" --help >"$BATS_TEST_TMPDIR/.stdout" 2>"$BATS_TEST_TMPDIR/.stderr"

@@ -23,7 +23,7 @@ PY
   mv run live
   ground --agent replay:exchanges
   diff -r live run
-  if grep -rl "$PM_API_KEY" --exclude=requests.log .; then return 1; fi
+  refute grep -rl "$PM_API_KEY" --exclude=requests.log .
 }
 
 @test "ground: an authored inventory is kept, and an answer with another row is asked again, then refused" {

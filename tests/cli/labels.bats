@@ -2,7 +2,6 @@
 # pm-eval labels: the toy's labels against the truth in its bundle.
 bats_require_minimum_version 1.5.0
 load toy
-load common
 
 setup_file() { make_bundle; }
 setup() {
@@ -65,7 +64,7 @@ JSON
   }
   front=pair/true-masks/front
   accuracy 0.99
-  if grep -q doubt log; then return 1; fi
+  refute grep doubt log
   cp $front/ball/body.png ball.png
   mask() { # VALUE: the front's mask of the ball, all pixels
     python3 - $front/ball/body.png "$1" <<'PY'

@@ -53,7 +53,7 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
 
 @test "pipeline: a setting of the solver reruns from the simulation on" {
   run_make SET=gravity=-5 >log
-  ! stages <log | grep -Eq 'ground|lift|material|candidates'
+  refute grep -E 'ground|lift|material|candidates' <(stages <log)
   stages <log | grep -q 'simulate support-stiff'
 }
 
@@ -62,7 +62,7 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
   run_make >log
   stages <log | grep -q 'material evidence'
   stages <log | grep -q 'simulate support-stiff'
-  ! stages <log | grep -q 'lift'
+  refute grep lift <(stages <log)
 }
 
 @test "pipeline: candidates in parallel give the same bytes" {
@@ -110,11 +110,11 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
 
 @test "pipeline: the studies without object-part state and without structure projection" {
   run_make SET=ablation.structure_projection=false >log
-  if stages <log | grep -Eq 'ground|lift|material'; then return 1; fi
-  if grep -Eq '"(structure_projection|interface_retention)"' run/candidates/*[a-z].json; then return 1; fi
+  refute grep -E 'ground|lift|material' <(stages <log)
+  refute grep -E '"(structure_projection|interface_retention)"' run/candidates/*[a-z].json
   run_make SET=ablation.object_part_state=false >log
   [ "$(grep -c '"key": ".*/whole"' run/evidence.json)" -eq 1 ]
-  if grep -q '"key": "lollipop/stick"' run/evidence.json; then return 1; fi
+  refute grep '"key": "lollipop/stick"' run/evidence.json
 }
 
 @test "pipeline: other material records rerun the material stage and what depends on it" {
@@ -122,7 +122,7 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
 {"schema": "physmas/material_records/1", "rows": [{"key": "lollipop/stick", "crops": [{"E": 2e9, "E_uncertainty": 0.1, "nu": 0.3}]}]}
 J
   run_make PREDICTOR="$PWD/records.json" >log
-  if stages <log | grep -Eq 'ground|lift'; then return 1; fi
+  refute grep -E 'ground|lift' <(stages <log)
   stages <log | grep -q 'material evidence'
   grep -q '"E": 2000000000.0' run/evidence.json
   run_make PREDICTOR="$PWD/records.json" >log

@@ -10,7 +10,8 @@ setup() {
 @test "pm-candidates: help goes to stdout" {
   run --separate-stderr "$bin/pm-candidates" --help
   [ "$status" -eq 0 ]
-  [[ $output == *"--repair"* ]] && [ -z "$stderr" ]
+  [[ $output == *"--repair"* ]]
+  [ -z "$stderr" ]
 }
 
 @test "pm-candidates: usage errors" {
@@ -46,7 +47,7 @@ setup() {
   material
   candidates
   grep -q '"what": "row cake/residual"' candidates/posterior.json
-  ! grep -q '"key": "cake/residual"' candidates/posterior.json
+  refute grep '"key": "cake/residual"' candidates/posterior.json
   grep -q '"retention": \[\]' candidates/hard-support-bonded.json
   grep -q '"cake/plate": 0.85' candidates/hard-support-bonded.json
 }
@@ -69,7 +70,10 @@ setup() {
 }
 
 @test "pm-candidates: evidence that contradicts itself" {
-  edit_evidence() { material --predictor material-records.json && sed -i -E "$1" evidence.json; }
+  edit_evidence() {
+    material --predictor material-records.json
+    sed -i -E "$1" evidence.json
+  }
   edit_evidence 's/"log10": 4\.127[0-9]*/"log10": 12/'
   fails_with 3 candidates -- evidence.json /rows/1/E/log10 "found 12.0" "domain of Foam"
   edit_evidence 's/"log10": 4\.127[0-9]*/"log10": NaN/'
@@ -129,7 +133,10 @@ setup() {
   candidates
   sponge() { # ID BRANCH E NU RHO
     grep -A5 '"key": "cake/sponge"' "candidates/$1.json" >row.txt
-    grep -q "\"branch\": \"$2\"" row.txt && grep -q "\"E\": $3" row.txt && grep -q "\"nu\": $4" row.txt && grep -q "\"rho\": $5" row.txt
+    grep -q "\"branch\": \"$2\"" row.txt
+    grep -q "\"E\": $3" row.txt
+    grep -q "\"nu\": $4" row.txt
+    grep -q "\"rho\": $5" row.txt
   }
   sponge posterior Foam 13404.516 0.3092 300
   sponge target-impact Foam 20000.0 0.3092 300

@@ -92,7 +92,7 @@ PY
   "$bin/pm-eval" tracks --reference reference.json --tracks measured.json --width 200 --height 100 --reference-masks reference --masks measured \
     --out metrics.json
   [ "$(grep -c '"status": "invalid"' metrics.json)" -eq 3 ]
-  ! grep -q '"value"' metrics.json
+  refute grep '"value"' metrics.json
 }
 
 @test "pm-eval flow: a video against itself, inside rendered silhouettes" {
@@ -100,7 +100,7 @@ PY
   "$bin/pm-eval" silhouettes --scene bundle/scene.json --inventory inventory.json --state state.h5 --rollout rollouts/support-stiff.h5 --out masks
   "$bin/pm-eval" flow --reference run.mp4 --video run.mp4 --reference-masks masks --masks masks --out metrics.json
   grep -A2 '"area_log_rmse"' metrics.json | grep -q '"value": 0.0'
-  ! grep -q '"value": [1-9]' metrics.json
+  refute grep '"value": [1-9]' metrics.json
   rm masks/00000.png
   fails_with 3 "$bin/pm-eval" flow --reference run.mp4 --video run.mp4 --reference-masks masks --out metrics.json -- "masks"
 }
@@ -145,8 +145,8 @@ PY
   make_manifest
   "$bin/pm-eval" study --manifest evaluation.json --seed s --out study
   [ "$(ls study/page/videos | wc -l)" -eq 3 ]
-  ! grep -riE 'secretive|rivalling|ours' study/page/index.html
-  ! ls study/page/videos | grep -E 'secretive|rivalling'
+  refute grep -iE 'secretive|rivalling|ours' study/page/index.html
+  refute grep -E 'secretive|rivalling' <(ls study/page/videos)
   # The prompt cannot end the script element.
   [ "$(grep -c '</script>' study/page/index.html)" -eq 3 ]
   cp study/page/index.html first.html

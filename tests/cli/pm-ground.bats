@@ -147,7 +147,7 @@ nothing_written() { [ ! -e "$out" ] || [ -z "$(find "$out" -type f)" ]; }
   edit_json "$scene/scene.json" "d['run']['segmentation'] = {'grabcut': False}"
   ground
   [ "$status" -eq 0 ]
-  if grep -aq GrabCut "$out/masks.h5"; then return 1; fi
+  refute grep -aq GrabCut "$out/masks.h5"
   grep -aq hints "$out/masks.h5"
 }
 

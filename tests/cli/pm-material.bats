@@ -7,7 +7,8 @@ setup() { make_scene; }
 @test "pm-material: help goes to stdout" {
   run --separate-stderr "$bin/pm-material" --help
   [ "$status" -eq 0 ]
-  [[ $output == *"--predictor"* ]] && [ -z "$stderr" ]
+  [[ $output == *"--predictor"* ]]
+  [ -z "$stderr" ]
 }
 
 @test "pm-material: usage errors" {
@@ -76,7 +77,7 @@ setup() { make_scene; }
 }
 
 @test "pm-material: predictor records that do not fit" {
-  records() { cp "$data/material-records.json" records.json && sed -i "$1" records.json; }
+  records() { sed "$1" "$data/material-records.json" >records.json; }
   records 's/"Rubber"/"Jade"/'
   fails_with 3 material --predictor records.json -- records.json /rows/0/crops/1/evidence Jade
   records 's/cake\/sponge/cake\/biscuit/'

@@ -3,7 +3,7 @@
 
 bats_require_minimum_version 1.5.0
 
-load tiny-ball.bash
+load tiny-ball
 
 setup_file() {
   make_tiny_ball

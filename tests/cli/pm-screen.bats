@@ -35,7 +35,8 @@ setup() {
 @test "pm-screen: help goes to stdout" {
   run --separate-stderr "$bin/pm-screen" --help
   [ "$status" -eq 0 ]
-  [[ $output == *"--explain"* ]] && [ -z "$stderr" ]
+  [[ $output == *"--explain"* ]]
+  [ -z "$stderr" ]
 }
 
 @test "pm-screen: usage errors" {
@@ -93,7 +94,8 @@ setup() {
   grep -q '"candidate": "posterior-elastic-cohesion"' accepted.json
   grep -q '"round": 1' accepted.json
   # Accepted: the next round is empty and says why.
-  candidates --repair screen/round1.json && [ "$(cat candidates/round2.mk)" = "PM_ROUND2 :=" ]
+  candidates --repair screen/round1.json
+  [ "$(cat candidates/round2.mk)" = "PM_ROUND2 :=" ]
 }
 
 @test "pm-screen: a threshold alone does not touch the repairs of the same base" {
@@ -111,7 +113,8 @@ setup() {
   touch accepted.json final.mp4
   fails_with 6 screen 0 -- "none of 2 candidates was admitted" "tau 5" "--explain"
   grep -q '"decision": "fail"' screen/round0.json
-  [ ! -e accepted.json ] && [ ! -e final.mp4 ]
+  [ ! -e accepted.json ]
+  [ ! -e final.mp4 ]
   fails_with 2 screen 1 -- "--round 1" "1 rounds"
   fails_with 3 candidates --repair screen/round0.json -- screen/round0.json /round
 }

@@ -75,11 +75,11 @@ setup() { enter_tiny_run; }
   grep -q '"measured": "off"' rollouts/support-stiff.json
   grep -q '"J_range": null' rollouts/support-stiff.json
   grep -q '"elastic": \[\]' rollouts/support-stiff.json
-  ! grep -q '"residual"' rollouts/support-stiff.json
+  refute grep '"residual"' rollouts/support-stiff.json
   simulate --frames 3
   grep -q '"measured": "frames"' rollouts/support-stiff.json
   grep -q '"relative": ' rollouts/support-stiff.json
-  ! grep -q '"budget"' rollouts/support-stiff.json
+  refute grep '"budget"' rollouts/support-stiff.json
   simulate --frames 3 --energy steps
   grep -q '"measured": "steps"' rollouts/support-stiff.json
   for term in change transfer contact plastic viscous projection control structure residual largest_step; do

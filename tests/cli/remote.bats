@@ -15,7 +15,7 @@ teardown() { stop_server; }
 fails_remotely() { # TEXT...
   fails_with 4 ask -- "$@"
   [ ! -e evidence.json ]
-  if grep -rl "$PM_API_KEY" --exclude=requests.log . "$BATS_TEST_TMPDIR/.stderr"; then return 1; fi
+  refute grep -rl "$PM_API_KEY" --exclude=requests.log . "$BATS_TEST_TMPDIR/.stderr"
 }
 
 @test "remote: a chat model is asked once per semantic row, and its answers enter the posterior" {
@@ -37,7 +37,7 @@ assert rows["cake/plate"]["observations"]["vlm"][0]["abstain"] and "vlm" not in 
 assert "observations" not in rows["cake/residual"]
 PY
   grep -q "the agent abstained" evidence.json
-  if grep -rl "$PM_API_KEY" --exclude=requests.log .; then return 1; fi
+  refute grep -rl "$PM_API_KEY" --exclude=requests.log .
 }
 
 @test "remote: recorded exchanges replay to the same bytes, without a server" {
@@ -196,9 +196,9 @@ PY
 @test "remote: usage errors show no more of the URL than its host" {
   fails_with 2 material --agent http://127.0.0.1:1 -- "--model is required"
   fails_with 2 material --agent http://me:secret@host/v1 --model m -- "user name in the URL of host"
-  if grep -q secret "$BATS_TEST_TMPDIR/.stderr"; then return 1; fi
+  refute grep secret "$BATS_TEST_TMPDIR/.stderr"
   fails_with 2 material --agent "http://host/v1?key=secret" --model m -- "a query in the URL of host"
-  if grep -q secret "$BATS_TEST_TMPDIR/.stderr"; then return 1; fi
+  refute grep secret "$BATS_TEST_TMPDIR/.stderr"
   fails_with 2 material --agent ftp://host/v1 --model m -- "scheme \"ftp\""
   fails_with 2 material --agent somebody -- "--agent somebody" "expected builtin"
   [ ! -e evidence.json ]
@@ -225,7 +225,10 @@ PY
 }
 
 @test "remote: a predictor that is not ready, lacks an output, or answers with another shape" {
-  predictor_fails() { fails_with 4 material --predictor "$url/v2/models/m" --timeout 1 --retries 1 --backoff 0.05 -- "$@" && [ ! -e evidence.json ]; }
+  predictor_fails() {
+    fails_with 4 material --predictor "$url/v2/models/m" --timeout 1 --retries 1 --backoff 0.05 -- "$@"
+    [ ! -e evidence.json ]
+  }
   serve not-ready
   predictor_fails "HTTP 503 after 2 attempts"
   stop_server

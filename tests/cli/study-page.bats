@@ -8,7 +8,8 @@ have_chromium() { python3 "$root/tests/tools/browser.py"; }
 setup_file() {
   have_chromium || return 0
   make_tiny_run
-  cd "$BATS_FILE_TMPDIR/run" && render --out run.mp4
+  cd "$BATS_FILE_TMPDIR/run"
+  render --out run.mp4
   # Six methods on three cases; of the second case two results failed, one per study.
   python3 - <<'PY'
 import json

@@ -1,4 +1,5 @@
 # Shared by the tests of pm-ground and pm-lift: a toy bundle, and ways to damage it.
+load common
 bin() { echo "${PM_BIN:-$BATS_TEST_DIRNAME/../../build/bin}"; }
 
 # run_tool TOOL ARGS...: as bats' run, with stdout in $output and stderr in $errors.
