@@ -153,13 +153,17 @@ endif
 BUILT_TOOLS := $(TOOLS:%=$(BIN)/%)
 SAME_MAKE :=
 include pipelines/runs.mk
+ifneq ($(filter pictures,$(MAKECMDGOALS)),)
+  include docs/pictures.mk
+endif
 
-.PHONY: demo run batch evaluate evaluate-register
+.PHONY: demo run batch evaluate evaluate-register pictures
 demo: run-finished ## Install, build, run the example EXAMPLE=cake end to end, say where the video is
 run: run-finished ## Run your own file: GAUSSIANS=scene.ply PROMPT="..." [UP=z] [RUN=runs/name] [SET="key=value ..."]
 evaluate: evaluate-finished ## Run the registered benchmark and print its tables: [CASES="cake lamp"] [EVALUATE=runs/evaluate]
 evaluate-register: $(BIN)/pm-eval ## Register the benchmark's files as they are now, in examples/suite.sha256
 	@$(BIN)/pm-eval suite --suite $(or $(SUITE),examples/suite.json) --register
+pictures: pictures-finished ## Make the moving pictures of the docs again: [GUITAR=guitar.compressed.ply]
 batch: batch-finished ## Run many scenes and write one table: SCENES="cake my/scene.json ..." or SCENES=list.txt
 
 # --- Tests --------------------------------------------------------------------------------------------------------
