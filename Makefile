@@ -285,14 +285,13 @@ accuracy: $(BIN)/pm-eval ## Error of the solver against run time: JSON, CSV and 
 verification: $(BIN)/pm-eval ## The solver against analytic answers, under refinement
 	$(Q)$(BIN)/pm-eval verification --out runs/verification.json
 
+# --- Installation and packages ------------------------------------------------------------------------------------
+
+include packaging/install.mk
+
 # --- Housekeeping -------------------------------------------------------------------------------------------------
 
-PREFIX ?= /usr/local
-.PHONY: install clean format help
-install: all ## Install the tools into PREFIX/bin
-	install -d $(DESTDIR)$(PREFIX)/bin
-	install $(TOOLS:%=$(BIN)/%) $(DESTDIR)$(PREFIX)/bin
-
+.PHONY: clean format help
 clean: ## Remove build/ (runs/ stays)
 	rm -rf build
 
@@ -301,5 +300,5 @@ format: ## Format the sources with clang-format
 
 help: ## List the targets
 	@echo 'Usage: make [target] [NAME=value ...]'
-	@grep -hE '^[a-z-]+:.*##' Makefile | awk -F ':.*## ' '{ printf "  %-10s %s\n", $$1, $$2 }'
+	@grep -hE '^[a-z-]+:.*##' Makefile packaging/*.mk | awk -F ':.*## ' '{ printf "  %-10s %s\n", $$1, $$2 }'
 	@echo 'Variables: CXX, ARCH=native, SAN=1 (sanitizers), BUILD=build, V=1 (print commands), PREFIX, THREADS'
