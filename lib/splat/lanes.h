@@ -1,4 +1,5 @@
-// Sixteen floats at once: one row of a tile. GCC and Clang lower the vector type to whatever the target has.
+// Several floats at once, as many as a register of the target holds. (GCC takes comparisons of wider vectors apart,
+// number by number.)
 #ifndef PHYSMAS_SPLAT_LANES_H
 #define PHYSMAS_SPLAT_LANES_H
 
@@ -11,9 +12,15 @@
 
 namespace physmas::splat {
 
+#if defined(__AVX512F__)
 constexpr int kLanes = 16;
-typedef float Lanes __attribute__((vector_size(64)));
-typedef int32_t LaneMask __attribute__((vector_size(64)));  // -1 where true, 0 where false
+#elif defined(__AVX2__)
+constexpr int kLanes = 8;
+#else
+constexpr int kLanes = 4;
+#endif
+typedef float Lanes __attribute__((vector_size(4 * kLanes)));
+typedef int32_t LaneMask __attribute__((vector_size(4 * kLanes)));  // -1 where true, 0 where false
 
 // Vectors go in and out by reference: how they are passed by value depends on the target, and compilers warn of it.
 
@@ -27,9 +34,10 @@ inline bool any(const LaneMask& mask) {
   const __m512i m = reinterpret_cast<__m512i>(mask);
   return _mm512_test_epi32_mask(m, m) != 0;
 #else
-  uint64_t words[8];
+  uint64_t words[kLanes / 2], all = 0;
   std::memcpy(words, &mask, sizeof(words));
-  return ((words[0] | words[1]) | (words[2] | words[3]) | (words[4] | words[5]) | (words[6] | words[7])) != 0;
+  for (uint64_t word : words) all |= word;
+  return all != 0;
 #endif
 }
 

@@ -2,24 +2,59 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "splat/lanes.h"
 
 namespace physmas::splat {
 
-TileRaster::TileRaster(int label_count) : label_weight_(label_count), is_touched_(label_count, 0) {}
+namespace {
 
-void TileRaster::draw(const Splat* splats, const uint32_t* begin, const uint32_t* end, int column, int row,
+constexpr int kParts = kTileSize / kLanes;  // registers per row of a tile
+static_assert(kParts * kLanes == kTileSize, "a row of a tile is whole registers");
+
+class LaneRaster final : public TileRaster {
+ public:
+  explicit LaneRaster(int label_count) : label_weight_(label_count), is_touched_(label_count, 0) {}
+  void draw(const Splat* splats, const uint32_t* begin, const uint32_t* end, int column, int row,
+            const RasterTarget& target) override;
+
+ private:
+  struct LabelWeights {
+    Lanes part[kTileSize][kParts];
+  };
+
+  template <bool kDepth, bool kLabel>
+  void blend(const Splat* splats, const uint32_t* begin, const uint32_t* end, int column, int row,
+             const int32_t* gaussian_labels);
+  void write(int column, int row, const RasterTarget& target) const;
+
+  alignas(64) LaneMask live_[kTileSize][kParts];
+  Lanes transmittance_[kTileSize][kParts];
+  Lanes color_[3][kTileSize][kParts];
+  Lanes depth_[kTileSize][kParts];
+  uint32_t live_rows_ = 0;
+  std::vector<LabelWeights> label_weight_;  // [label]
+  std::vector<int32_t> touched_;            // labels with any weight in this tile
+  std::vector<char> is_touched_;            // [label]
+};
+
+void LaneRaster::draw(const Splat* splats, const uint32_t* begin, const uint32_t* end, int column, int row,
                       const RasterTarget& target) {
   // Pixels outside the image are never live, so that they cannot keep a full tile going.
   const int columns = std::min(kTileSize, target.width - column * kTileSize);
   const int rows = std::min(kTileSize, target.height - row * kTileSize);
-  LaneMask inside{};
-  for (int i = 0; i < columns; ++i) inside[i] = -1;
+  LaneMask inside[kParts] = {};
+  for (int i = 0; i < columns; ++i) inside[i / kLanes][i % kLanes] = -1;
   live_rows_ = rows == kTileSize ? 0xffffu : (1u << rows) - 1;
   for (int r = 0; r < kTileSize; ++r) {
-    live_[r] = r < rows ? inside : LaneMask{};
-    transmittance_[r] = Lanes{} + 1.0f;
-    for (auto& channel : color_) channel[r] = Lanes{};
-    depth_[r] = Lanes{};
+    for (int p = 0; p < kParts; ++p) {
+      live_[r][p] = r < rows ? inside[p] : LaneMask{};
+      transmittance_[r][p] = Lanes{} + 1.0f;
+      for (auto& channel : color_) channel[r][p] = Lanes{};
+      depth_[r][p] = Lanes{};
+    }
   }
   const bool depth = target.depth != nullptr, label = target.label != nullptr;
   if (depth && label) {
@@ -37,10 +72,11 @@ void TileRaster::draw(const Splat* splats, const uint32_t* begin, const uint32_t
 }
 
 template <bool kDepth, bool kLabel>
-void TileRaster::blend(const Splat* splats, const uint32_t* begin, const uint32_t* end, int column, int row,
+void LaneRaster::blend(const Splat* splats, const uint32_t* begin, const uint32_t* end, int column, int row,
                        const int32_t* gaussian_labels) {
   const double x0 = column * kTileSize + 0.5, y0 = row * kTileSize + 0.5;
-  const Lanes lane = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  Lanes lane[kParts];
+  for (int i = 0; i < kTileSize; ++i) lane[i / kLanes][i % kLanes] = static_cast<float>(i);
   const Lanes max_alpha = Lanes{} + kMaxAlpha;
   constexpr float kHalfLog2E = 0.72134752f;
   for (const uint32_t* g = begin; g != end && live_rows_ != 0; ++g) {
@@ -65,51 +101,62 @@ void TileRaster::blend(const Splat* splats, const uint32_t* begin, const uint32_
         }
       }
     }
-    const Lanes step = s.a * lane;
-    const float width = 15 * s.a;
+    Lanes step[kParts];
+    for (int p = 0; p < kParts; ++p) step[p] = s.a * lane[p];
+    const float width = (kLanes - 1) * s.a;
     for (int r = first; r <= last; ++r) {
-      const float u = u0 + s.b * static_cast<float>(r);
-      if ((live_rows_ >> r & 1) == 0 || u > s.reach || u + width < -s.reach) continue;
-      const float v = v0 + s.c * static_cast<float>(r);
-      const Lanes us = u + step;
-      const Lanes q = us * us + v * v;
-      Lanes alpha = s.log2_opacity - kHalfLog2E * q;
-      exp2_nonpositive(&alpha);
-      alpha = alpha < max_alpha ? alpha : max_alpha;
-      const LaneMask hit = (alpha >= kMinAlpha) & live_[r];
-      const Lanes T = transmittance_[r];
-      Lanes w = alpha * T;
-      const LaneMask stop = hit & (T - w < kMinTransmittance);
-      keep(hit & ~stop, &w);
-      transmittance_[r] = T - w;
-      for (int k = 0; k < 3; ++k) color_[k][r] += w * s.color[k];
-      if constexpr (kDepth) depth_[r] += w * s.depth;
-      if constexpr (kLabel) {
-        if (weights != nullptr) weights->row[r] += w;
+      if ((live_rows_ >> r & 1) == 0) continue;
+      const float u = u0 + s.b * static_cast<float>(r), v = v0 + s.c * static_cast<float>(r);
+      bool stopped = false;
+      for (int p = 0; p < kParts; ++p) {
+        const float u_first = u + step[p][0];
+        if (u_first > s.reach || u_first + width < -s.reach) continue;
+        const Lanes us = u + step[p];
+        const Lanes q = us * us + v * v;
+        Lanes alpha = s.log2_opacity - kHalfLog2E * q;
+        exp2_nonpositive(&alpha);
+        alpha = alpha < max_alpha ? alpha : max_alpha;
+        const LaneMask hit = (alpha >= kMinAlpha) & live_[r][p];
+        const Lanes T = transmittance_[r][p];
+        Lanes w = alpha * T;
+        const LaneMask stop = hit & (T - w < kMinTransmittance);
+        keep(hit & ~stop, &w);
+        transmittance_[r][p] = T - w;
+        for (int k = 0; k < 3; ++k) color_[k][r][p] += w * s.color[k];
+        if constexpr (kDepth) depth_[r][p] += w * s.depth;
+        if constexpr (kLabel) {
+          if (weights != nullptr) weights->part[r][p] += w;
+        }
+        if (any(stop)) {
+          live_[r][p] &= ~stop;
+          stopped = true;
+        }
       }
-      if (any(stop)) {
-        live_[r] &= ~stop;
-        if (!any(live_[r])) live_rows_ &= ~(1u << r);
-      }
+      if (stopped && std::none_of(live_[r], live_[r] + kParts, any)) live_rows_ &= ~(1u << r);
     }
   }
 }
 
-void TileRaster::write(int column, int row, const RasterTarget& target) const {
+void LaneRaster::write(int column, int row, const RasterTarget& target) const {
   const int columns = std::min(kTileSize, target.width - column * kTileSize);
   const int rows = std::min(kTileSize, target.height - row * kTileSize);
   for (int r = 0; r < rows; ++r) {
     const size_t first = size_t(row * kTileSize + r) * target.width + column * kTileSize;
-    const Lanes T = transmittance_[r];
+    alignas(64) float T[kTileSize], sum[kTileSize];
+    std::memcpy(T, transmittance_[r], sizeof(T));
     for (int k = 0; k < 3; ++k) {
-      const Lanes out = color_[k][r] + T * target.background[k];
-      for (int i = 0; i < columns; ++i) target.rgb[3 * (first + i) + k] = out[i];
+      for (int p = 0; p < kParts; ++p) {
+        const Lanes out = color_[k][r][p] + transmittance_[r][p] * target.background[k];
+        std::memcpy(sum + p * kLanes, &out, sizeof(out));
+      }
+      for (int i = 0; i < columns; ++i) target.rgb[3 * (first + i) + k] = sum[i];
     }
     for (int i = 0; i < columns; ++i) target.alpha[first + i] = 1 - T[i];
     if (target.depth != nullptr) {
+      std::memcpy(sum, depth_[r], sizeof(sum));
       for (int i = 0; i < columns; ++i) {
         const float alpha = 1 - T[i];
-        target.depth[first + i] = alpha < kMinAlpha ? 0 : depth_[r][i] / alpha;
+        target.depth[first + i] = alpha < kMinAlpha ? 0 : sum[i] / alpha;
       }
     }
     if (target.label == nullptr) continue;
@@ -117,12 +164,18 @@ void TileRaster::write(int column, int row, const RasterTarget& target) const {
       float best = 0;
       int32_t label = -1;
       for (int32_t l : touched_) {
-        const float weight = label_weight_[l].row[r][i];
+        const float weight = label_weight_[l].part[r][i / kLanes][i % kLanes];
         if (weight > best || (weight == best && weight > 0 && l < label)) best = weight, label = l;
       }
       target.label[first + i] = label;
     }
   }
+}
+
+}  // namespace
+
+std::unique_ptr<TileRaster> make_tile_raster(int label_count) {
+  return std::make_unique<LaneRaster>(label_count);
 }
 
 }  // namespace physmas::splat

@@ -3,15 +3,12 @@
 #define PHYSMAS_SPLAT_RASTER_H
 
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 #include "splat/binning.h"
-#include "splat/lanes.h"
 #include "splat/projection.h"
 
 namespace physmas::splat {
-
-static_assert(kLanes == kTileSize, "a row of a tile is one vector");
 
 // Where a tile's pixels go. Pointers to whole images, row-major; depth and label may be null.
 struct RasterTarget {
@@ -24,35 +21,17 @@ struct RasterTarget {
   const int32_t* gaussian_labels = nullptr;  // [N], with label only
 };
 
-// Buffers that a thread reuses from tile to tile.
+// Draws tiles, with buffers that it reuses from tile to tile: one per thread.
 class TileRaster {
  public:
-  // label_count: one more than the largest label, 0 without a label image.
-  explicit TileRaster(int label_count);
-
+  virtual ~TileRaster() = default;
   // Blends splats[*begin..*end) and writes the tile at (column, row) of the tile grid.
-  void draw(const Splat* splats, const uint32_t* begin, const uint32_t* end, int column, int row,
-            const RasterTarget& target);
-
- private:
-  struct alignas(64) LabelWeights {
-    Lanes row[kTileSize];
-  };
-
-  template <bool kDepth, bool kLabel>
-  void blend(const Splat* splats, const uint32_t* begin, const uint32_t* end, int column, int row,
-             const int32_t* gaussian_labels);
-  void write(int column, int row, const RasterTarget& target) const;
-
-  alignas(64) LaneMask live_[kTileSize];
-  Lanes transmittance_[kTileSize];
-  Lanes color_[3][kTileSize];
-  Lanes depth_[kTileSize];
-  uint32_t live_rows_ = 0;
-  std::vector<LabelWeights> label_weight_;  // [label]
-  std::vector<int32_t> touched_;            // labels with any weight in this tile
-  std::vector<char> is_touched_;            // [label]
+  virtual void draw(const Splat* splats, const uint32_t* begin, const uint32_t* end, int column, int row,
+                    const RasterTarget& target) = 0;
 };
+
+// label_count: one more than the largest label, 0 without a label image.
+std::unique_ptr<TileRaster> make_tile_raster(int label_count);
 
 }  // namespace physmas::splat
 

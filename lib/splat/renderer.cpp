@@ -151,11 +151,11 @@ const RenderedImage& Renderer::render(const Camera& camera, const Deformation& d
     Stopwatch raster_watch;
 #pragma omp parallel num_threads(threads)
     {
-      TileRaster raster(label_count);
+      const std::unique_ptr<TileRaster> raster = make_tile_raster(label_count);
 #pragma omp for schedule(dynamic, 4)
       for (int tile = first; tile < end; ++tile) {
-        raster.draw(splats_.data(), bins_.begin(tile), bins_.end(tile), tile % bins_.tiles_x(), tile / bins_.tiles_x(),
-                    target);
+        raster->draw(splats_.data(), bins_.begin(tile), bins_.end(tile), tile % bins_.tiles_x(), tile / bins_.tiles_x(),
+                     target);
       }
     }
     stats_.raster_seconds += raster_watch.seconds();
