@@ -1,5 +1,6 @@
 #include "scene/camera.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 namespace physmas {

@@ -3,6 +3,7 @@
 #define PHYSMAS_SPLAT_POLAR_H
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <cmath>

@@ -55,7 +55,7 @@ TEST_CASE("accuracy: a disc of points covers its area, and the nearest point is 
   const std::vector<int> queries = tracker.choose_queries(x);
   CHECK(std::find(queries.begin(), queries.end(), 1) == queries.end());
   CHECK(queries.size() == 2);
-  TargetMotion motion;
+  metrics::TargetMotion motion;
   tracker.add_frame({{0, 0, 0}}, {0}, motion);
   const double r = camera.fx * 0.05 / 2;
   CHECK(motion.areas[0] == doctest::Approx(3.14159 * r * r).epsilon(0.03));  // pixels at the rim
