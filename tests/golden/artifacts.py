@@ -44,21 +44,18 @@ def record_of(path):
     return record
 
 
-def timed(path):
-    return path.endswith(".json") and "runtime" in json.load(open(path))
-
-
-def differences(before, after, where, timed_hashes, found):
+def differences(before, after, where, same, found):
+    """same: pairs of hashes of files that are equal but for run times."""
     if isinstance(before, dict) and isinstance(after, dict):
         for key in sorted(set(before) | set(after)):
             if key not in before or key not in after:
                 found.append(f"{where}/{key}: only {'after' if key in after else 'before'}")
             else:
-                differences(before[key], after[key], f"{where}/{key}", timed_hashes, found)
+                differences(before[key], after[key], f"{where}/{key}", same, found)
     elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
         for i, (a, b) in enumerate(zip(before, after)):
-            differences(a, b, f"{where}/{i}", timed_hashes, found)
-    elif before != after and not (before in timed_hashes[0] and after in timed_hashes[1]):
+            differences(a, b, f"{where}/{i}", same, found)
+    elif before != after and (not isinstance(before, str) or (before, after) not in same):
         found.append(f"{where}: {before} -> {after}"[:200])
 
 
@@ -76,27 +73,28 @@ def sha256(path):
 
 def compare(before, after):
     first, second = files_of(before), files_of(after)
-    # Hashes of records with a run time stand for those records, which are compared themselves.
-    timed_hashes = [
-        {sha256(f"{folder}/{f}") for f in files if timed(f"{folder}/{f}")}
-        for folder, files in ((before, first), (after, second))
-    ]
-    count = 0
-    for path in sorted(set(first) | set(second)):
-        if path not in first or path not in second:
-            print(f"{path}: only {'after' if path in second else 'before'}")
-            count += 1
-            continue
+    report = {p: [f"only {'after' if p in second else 'before'}"] for p in set(first) ^ set(second)}
+    unequal = []
+    for path in sorted(set(first) & set(second)):
         a, b = f"{before}/{path}", f"{after}/{path}"
-        if open(a, "rb").read() == open(b, "rb").read():
-            continue
-        found = ["bytes differ"]
-        if path.endswith(".json"):
-            found = []
-            differences(record_of(a), record_of(b), "", timed_hashes, found)
-        for line in found:
+        if open(a, "rb").read() != open(b, "rb").read():
+            unequal.append(path)
+    # A record that holds hashes of records with run times is equal once those are found to be.
+    same, known = set(), -1
+    while len(same) != known:
+        known = len(same)
+        for path in unequal:
+            a, b = f"{before}/{path}", f"{after}/{path}"
+            report[path] = ["bytes differ"]
+            if path.endswith(".json"):
+                report[path] = []
+                differences(record_of(a), record_of(b), "", same, report[path])
+            if not report[path]:
+                same.add((sha256(a), sha256(b)))
+    for path in sorted(report):
+        for line in report[path]:
             print(f"{path}: {line}")
-        count += bool(found)
+    count = sum(1 for lines in report.values() if lines)
     print(f"{len(first)} and {len(second)} files, {count} differ")
     return 1 if count or not first else 0
 
