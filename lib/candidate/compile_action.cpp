@@ -10,7 +10,7 @@ namespace {
 
 using Kind = ScheduleOperation::Kind;
 
-// The paper bounds its actions without printing the numbers; these are ours (docs/method.md says why).
+// The paper bounds its actions without printing the numbers; these are ours (docs/actions.md says why).
 constexpr double kSlabFraction = 0.2;         // thickness of every slab over the rows' extent
 constexpr int kImpulseSubsteps = 4;           // of the base step; the paper's
 constexpr double kCompressSpeed = 0.5;        // m/s, vertical_compress and side_compress

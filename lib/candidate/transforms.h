@@ -16,7 +16,7 @@ inline constexpr std::array<const char*, 10> kInitialTransforms = {
     "posterior", "target-impact", "hard-support-bonded", "support-stiff",       "solver-compatible", "rigid-support",
     "soft",      "stiff",         "uncertainty-sweep",   "alternative-material"};
 
-// What a transform decides: rows of every active row, and U_aux.
+// What a transform T_c decides: rows of every active row, and U_aux (paper, Eq. candidateconstruction).
 struct Configuration {
   std::vector<CandidateRow> rows;
   std::vector<std::pair<std::string, double>> projection;  // support row key -> eta

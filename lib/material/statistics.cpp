@@ -127,6 +127,7 @@ void pool_statistics(EvidenceRow& evidence, const std::vector<CropRecord>& crops
   evidence.nu = prior.clip_nu(evidence.nu_mean);
   evidence.nu_dispersion = std::max(0.02, evidence.nu_uncertainty);
 
+  // Eq. supp-maskconfidence
   const double mask = evidence.mask_confidence > 0 ? evidence.mask_confidence : kMaskUnavailable;
   evidence.part_confidence = clip(evidence.confidence / (1 + evidence.E_dispersion) * std::max(kMaskFloor, mask), 0, 1);
 }

@@ -74,7 +74,7 @@ bool is_filler(const std::string& token);      // words that carry nothing for t
 
 // Bounds and defaults of the actions (seconds, fractions of the run's duration). Magnitudes are m/s of solver space,
 // rad/s of a torque, and final over rest extent of compressions and scale. The paper bounds magnitudes without printing
-// the bounds: these are ours (docs/method-lifting.md).
+// the bounds: these are ours (docs/actions.md).
 struct ActionRange {
   ActionType type;
   double magnitude, min, max;

@@ -1,4 +1,4 @@
-// inventory.json: objects, their parts, and the active-row order.
+// inventory.json: objects, their parts, and the active-row order (paper, Table "agent-contracts").
 #ifndef PHYSMAS_RECORDS_INVENTORY_H
 #define PHYSMAS_RECORDS_INVENTORY_H
 

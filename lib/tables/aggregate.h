@@ -58,11 +58,11 @@ class Aggregate {
   Table errors_table(const std::string& metric, const std::string& name, const std::string& caption) const;
   Table case_times_table() const;
   Table common_table() const;
-  Table profile_table() const;
-  Table multi_object_table() const;
-  Table runtime_table() const;
-  Table motion_table() const;
-  Table ablation_table() const;
+  Table profile_table() const;       // paper, Table "mainquant"
+  Table multi_object_table() const;  // paper, Table "multiobject"
+  Table runtime_table() const;       // paper, Table "runtime"
+  Table motion_table() const;        // paper, Table "physicalmetrics"
+  Table ablation_table() const;      // paper, Table "ablation"
 
   const Evaluation& evaluation_;
   std::set<std::string> measured_;  // metrics of which some record was read
