@@ -141,6 +141,7 @@ void Grid<T>::apply_obstacles(const GridBlock& block, const T* received, T* node
   }
 }
 
+// Eq. gridupdate, then gravity, colliders and walls.
 template <class T>
 template <bool kMeasure>
 double Grid<T>::update_block(int index, double dt) {

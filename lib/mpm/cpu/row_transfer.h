@@ -69,9 +69,9 @@ struct NodeUnits {
 template <class T>
 constexpr NodeUnits<T> kNodeUnits;
 
-// Adds w (P + Q (node − centre node)) to the sums of nine rows. record: {m, P}, and the columns of Q, four numbers
-// each. later: nodes of the row before the particle's own, 0 or 1; without a branch, since no one could foretell it.
-// wxy: products of the weights along x and y, a register's lanes apart.
+// P2G (paper, Eq. p2g): adds w (P + Q (node − centre node)) to the sums of nine rows. record: {m, P}, and the columns
+// of Q, four numbers each. later: nodes of the row before the particle's own, 0 or 1; without a branch, since no one
+// could foretell it. wxy: products of the weights along x and y, a register's lanes apart.
 template <class T>
 PHYSMAS_INLINE void scatter_particle(Row<T>* sum, int later, const T* wxy, const T* wz, const T* record) {
   using R = Row<T>;
