@@ -1,0 +1,45 @@
+#include "bind/materials.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+
+namespace physmas::bind {
+
+std::vector<mpm::Material> bind_materials(const Candidate& candidate, const State& state, const std::string& file) {
+  std::vector<mpm::Material> materials(state.row_keys.size());
+  std::vector<bool> bound(state.row_keys.size(), false);
+  for (size_t i = 0; i < candidate.rows.size(); ++i) {
+    const CandidateRow& row = candidate.rows[i];
+    if (row.row >= static_cast<int>(state.row_keys.size()) || state.row_keys[row.row] != row.key) {
+      throw invalid_field(file, fmt::format("/rows/{}/key", i), row.key,
+                          fmt::format("the key of row {} of the state", row.row),
+                          "make the candidates again with pm-candidates");
+    }
+    materials[row.row] = {row.branch, row.E, row.nu, row.rho};
+    bound[row.row] = true;
+  }
+  for (const int32_t r : state.row) {
+    if (!bound[r])
+      throw invalid_input(
+          {file, "/rows", "no row \"" + state.row_keys[r] + "\"", "every row that has particles in the state"});
+  }
+  return materials;
+}
+
+mpm::ProfileConstants bind_constants(const RunSpecification::Profile& profile) {
+  mpm::ProfileConstants constants;
+  constants.foam_yield = profile.foam_yield;
+  constants.foam_viscosity = profile.foam_viscosity;
+  constants.plasticine_yield = profile.plasticine_yield;
+  constants.plasticine_softening = profile.plasticine_softening;
+  constants.plasticine_residual = profile.plasticine_residual;
+  constants.sand_friction_angle = profile.sand_friction_angle;
+  constants.drucker_prager_alpha = profile.alpha;
+  constants.sand_cohesion = profile.sand_k;
+  constants.snow_cohesion = profile.snow_k;
+  constants.plasticine_cohesion = profile.plasticine_k;
+  return constants;
+}
+
+}  // namespace physmas::bind
