@@ -10,7 +10,7 @@ namespace physmas::lift {
 std::vector<float> support_of(const Mask& mask) {
   if (mask.empty()) return {};
   const cv::Mat inside(mask.height, mask.width, CV_8U, const_cast<uint8_t*>(mask.pixels.data()));
-  const double confidence = std::max(mask.confidence, kConfidenceFloor);
+  const double confidence = mask.floored_confidence();
   const int area = cv::countNonZero(inside);
   std::vector<float> support(mask.pixels.size(), 0.0f);
   if (area == 0) return support;

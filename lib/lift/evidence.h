@@ -10,9 +10,8 @@
 
 namespace physmas::lift {
 
-// The frozen settings of the paper's Table "lifting-settings".
+// The frozen settings of the paper's Table "lifting-settings"; the floor of a mask's confidence is in records/masks.h.
 constexpr double kSupportLow = 0.45, kSupportHigh = 1.00;  // interior-distance support
-constexpr double kConfidenceFloor = 0.05;                  // of a mask
 constexpr double kResidualConfidenceCap = 0.20;
 constexpr double kAreaTieBreak = 1e-6;  // over max(1, A_r)
 constexpr double kAmbiguousMargin = 0.18, kReliableMargin = 0.30;

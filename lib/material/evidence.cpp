@@ -12,7 +12,7 @@ std::vector<double> mask_confidences(const Inventory& inventory, const std::vect
     int count = 0;
     for (const ViewMasks& view : views) {
       if (view.rows[r].area() == 0) continue;
-      confidences[r] += view.rows[r].confidence;
+      confidences[r] += view.rows[r].floored_confidence();
       ++count;
     }
     if (count > 0) confidences[r] /= count;

@@ -12,8 +12,9 @@
 
 namespace physmas::material {
 
-// gamma^mask per row, [inventory.rows]: the mean confidence over the views whose mask of the row is not empty; 0 (the
-// paper's sentinel for "unavailable") where no view has one.
+// gamma^mask per row, [inventory.rows] (paper, Eq. supp-maskconfidence): the mean confidence, with the floor of
+// lifting, over the views whose mask of the row is not empty; 0 (the paper's sentinel for "unavailable") where no view
+// has one.
 std::vector<double> mask_confidences(const Inventory& inventory, const std::vector<ViewMasks>& views);
 
 // One row psi_r. Residual rows skip every source: unit Plastic and its defaults.

@@ -2,6 +2,7 @@
 #ifndef PHYSMAS_RECORDS_MASKS_H
 #define PHYSMAS_RECORDS_MASKS_H
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,12 +11,17 @@
 
 namespace physmas {
 
+// Least confidence of an observed mask (paper, Table "lifting-settings").
+constexpr double kMaskConfidenceFloor = 0.05;
+
 struct Mask {
   int width = 0, height = 0;    // of the view's camera
   std::vector<uint8_t> pixels;  // [height * width] by rows: 0 outside, 255 inside
   double confidence = 0;        // 0..1
   std::string source;           // who made it: "hints", "file", "alpha", ...
   bool empty() const { return pixels.empty(); }
+  // The confidence with its floor: what an observed mask counts, whatever its maker says of it.
+  double floored_confidence() const { return std::max(confidence, kMaskConfidenceFloor); }
   // Number of pixels inside.
   long area() const;
 };

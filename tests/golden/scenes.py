@@ -228,7 +228,8 @@ def outcome(scene, id_):
 def golden(scene, seen):
     """The whole run as the paper has it: evidence, and per round the new candidates, all scores and the decision."""
     rows = scene["inventory"]["rows"]
-    confidences = [0.0 if row.get("residual") else scene["mask_confidence"] for row in rows]
+    # Every semantic row has a mask: its confidence has lifting's floor. A residual row has none.
+    confidences = [0.0 if row.get("residual") else max(0.05, scene["mask_confidence"]) for row in rows]
     evidence, whole = paper.evidence(scene["inventory"], scene["records"], confidences, seen)
     built = pc.Scene(scene["inventory"], evidence, whole, scene["plan"], scene["counts"], scene["run"])
     built.resolved = scene["plan"]["resolved"]

@@ -319,15 +319,20 @@ TEST_CASE("material: whole-object record") {
 
 TEST_CASE("material: mask confidence is the mean over the views that show the row") {
   Inventory inventory;
-  inventory.rows.resize(2);
+  inventory.rows.resize(3);
   std::vector<ViewMasks> views(3);
-  for (ViewMasks& view : views) view.rows.resize(2);
+  for (ViewMasks& view : views) view.rows.resize(3);
   views[0].rows[0] = {2, 1, {255, 0}, 0.8, "test"};
   views[1].rows[0] = {2, 1, {0, 255}, 0.6, "test"};
   views[2].rows[0] = {2, 1, {0, 0}, 0.1, "test"};  // empty: does not count
+  views[0].rows[2] = {2, 1, {255, 255}, 0, "test"};  // observed, with no confidence: the floor of lifting
+  views[1].rows[2] = {2, 1, {255, 255}, 0.35, "test"};
   const auto confidence = mask_confidences(inventory, views);
   CHECK(confidence[0] == Approx(0.7));
-  CHECK(confidence[1] == 0);
+  CHECK(confidence[1] == 0);  // no mask: unavailable
+  CHECK(confidence[2] == Approx(0.2));
+  views[1].rows[2].pixels = {0, 0};
+  CHECK(mask_confidences(inventory, views)[2] == Approx(0.05));  // not 0, which would read as 0.7
 }
 
 TEST_CASE("material: part confidence floors the mask at 0.2 and takes 0.7 for the sentinel") {
