@@ -12,7 +12,6 @@
 #include "records/execution.h"
 #include "records/inventory.h"
 #include "records/render.h"
-#include "records/rollout.h"
 #include "records/scene.h"
 #include "records/state.h"
 #include "scene/gaussian_files.h"
@@ -24,8 +23,8 @@
 #include "splat/frame_files.h"
 #include "splat/quantize.h"
 #include "splat/renderer.h"
+#include "splat/rollout_frames.h"
 #include "splat/row_colors.h"
-#include "splat/transport.h"
 #include "splat/video.h"
 
 namespace fs = std::filesystem;
@@ -123,22 +122,22 @@ int render(const Options& options) {
   if (!options.labels.empty()) inventory = load_inventory(options.inventory);
   const State state = load_state(options.state, options.labels.empty() ? nullptr : &inventory);
   const Gaussians gaussians = load_labelled_gaussians(scene.gaussians, state, options.state);
-  const RolloutReader rollout(options.rollout, gaussians.size());
+  const splat::RolloutFrames rollout(options.rollout, state);
   const std::string execution_path = fs::path(options.rollout).replace_extension(".json").string();
   const ExecutionRecord execution = load_execution(execution_path);
 
   RenderRecord record;
   record.candidate = execution.candidate;
   const int frames = scene.run.time.frames;
-  const bool complete = rollout.frame_count() == frames && !execution.diverged;
+  const bool complete = rollout.count() == frames && !execution.diverged;
   std::vector<int> wanted;
   if (!options.frames.empty()) {
-    wanted = parse_frames(options.frames, rollout.frame_count());
+    wanted = parse_frames(options.frames, rollout.count());
     record.omitted.push_back({"other frames", "--frames asks for " + options.frames});
   } else if (complete) {
     for (int t = 0; t < frames; ++t) wanted.push_back(t);
   } else {
-    record.omitted.push_back({"video", fmt::format("the rollout ends after {} of {} frames ({})", rollout.frame_count(),
+    record.omitted.push_back({"video", fmt::format("the rollout ends after {} of {} frames ({})", rollout.count(),
                                                    frames, execution.diverged ? "diverged" : "cut")});
   }
 
@@ -175,7 +174,7 @@ int render(const Options& options) {
                            fmt::format("{}x{}, as the first output camera", record.width, record.height)});
     }
     const Stopwatch render_watch;
-    const splat::TransportedFrame transported(rollout.frame(t), state.map);
+    const splat::TransportedFrame transported = rollout.frame(t);
     const splat::RenderedImage& image = renderer.render(camera, transported.deformation(), render_options);
     record.skipped_gaussians += static_cast<long>(renderer.stats().skipped);
     still += gaussians.size() - renderer.stats().reprojected;

@@ -9,7 +9,6 @@
 #include "records/plan.h"
 #include "splat/dominant.h"
 #include "splat/renderer.h"
-#include "splat/transport.h"
 #include "splat/visibility.h"
 
 namespace physmas::metrics {
@@ -63,10 +62,10 @@ class TargetRenderer {
 
 }  // namespace
 
-std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, const State& state,
-                                const RolloutReader& rollout, const std::vector<uint8_t>& target) {
+std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, const splat::RolloutFrames& rollout,
+                                const std::vector<uint8_t>& target) {
   TargetRenderer renderer(scene, gaussians, target);
-  const splat::TransportedFrame frame(rollout.frame(0), state.map);
+  const splat::TransportedFrame frame = rollout.frame(0);
   renderer.render(frame, 0);
   const Image mask = renderer.silhouette();
   std::vector<Eigen::Vector2i> pixels;
@@ -80,17 +79,16 @@ std::vector<int> choose_queries(const Scene& scene, const Gaussians& gaussians, 
   return queries;
 }
 
-TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const State& state,
-                          const RolloutReader& rollout, const std::vector<uint8_t>& target,
-                          const std::vector<int>& queries) {
+TargetMotion track_target(const Scene& scene, const Gaussians& gaussians, const splat::RolloutFrames& rollout,
+                          const std::vector<uint8_t>& target, const std::vector<int>& queries) {
   TargetRenderer renderer(scene, gaussians, target);
   TargetMotion motion;
   motion.tracks.width = scene.output_camera(0).width;
   motion.tracks.height = scene.output_camera(0).height;
   std::vector<double> first(queries.size(), 0);  // how far behind the surface in frame 0, if at all
-  for (int t = 0; t < rollout.frame_count(); ++t) {
+  for (int t = 0; t < rollout.count(); ++t) {
     const Camera& camera = scene.output_camera(t);
-    const splat::TransportedFrame frame(rollout.frame(t), state.map);
+    const splat::TransportedFrame frame = rollout.frame(t);
     renderer.render(frame, t);
     motion.areas.push_back(mask_areas({renderer.silhouette()}).front());
     std::vector<Eigen::Vector2d> position;
@@ -131,12 +129,12 @@ std::vector<uint8_t> target_gaussians(const Inventory& inventory, const State& s
   return mask;
 }
 
-std::vector<Image> target_silhouettes(const Scene& scene, const Gaussians& gaussians, const State& state,
-                                      const RolloutReader& rollout, const std::vector<uint8_t>& target) {
+std::vector<Image> target_silhouettes(const Scene& scene, const Gaussians& gaussians,
+                                      const splat::RolloutFrames& rollout, const std::vector<uint8_t>& target) {
   TargetRenderer renderer(scene, gaussians, target);
   std::vector<Image> masks;
-  for (int t = 0; t < rollout.frame_count(); ++t) {
-    renderer.render(splat::TransportedFrame(rollout.frame(t), state.map), t);
+  for (int t = 0; t < rollout.count(); ++t) {
+    renderer.render(rollout.frame(t), t);
     masks.push_back(renderer.silhouette());
   }
   return masks;

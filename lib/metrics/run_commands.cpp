@@ -49,11 +49,11 @@ struct Run {
 
 int motion(const RunOptions& options) {
   const Run run(options);
-  const RolloutReader rollout(options.rollout, run.gaussians.size());
-  const RolloutReader reference(options.reference, run.gaussians.size());
-  const std::vector<int> queries = choose_queries(run.scene, run.gaussians, run.state, reference, run.target);
-  const TargetMotion expected = track_target(run.scene, run.gaussians, run.state, reference, run.target, queries);
-  const TargetMotion measured = track_target(run.scene, run.gaussians, run.state, rollout, run.target, queries);
+  const splat::RolloutFrames rollout(options.rollout, run.state);
+  const splat::RolloutFrames reference(options.reference, run.state);
+  const std::vector<int> queries = choose_queries(run.scene, run.gaussians, reference, run.target);
+  const TargetMotion expected = track_target(run.scene, run.gaussians, reference, run.target, queries);
+  const TargetMotion measured = track_target(run.scene, run.gaussians, rollout, run.target, queries);
   Provenance provenance;
   provenance.tool = "pm-eval";
   provenance.options = {{"metric", "motion"},
@@ -70,8 +70,8 @@ int motion(const RunOptions& options) {
 
 int silhouettes(const RunOptions& options) {
   const Run run(options);
-  const RolloutReader rollout(options.rollout, run.gaussians.size());
-  const std::vector<Image> masks = target_silhouettes(run.scene, run.gaussians, run.state, rollout, run.target);
+  const splat::RolloutFrames rollout(options.rollout, run.state);
+  const std::vector<Image> masks = target_silhouettes(run.scene, run.gaussians, rollout, run.target);
   for (size_t t = 0; t < masks.size(); ++t) save_png(fmt::format("{}/{:05}.png", options.out, t), masks[t]);
   return 0;
 }

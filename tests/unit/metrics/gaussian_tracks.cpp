@@ -63,10 +63,10 @@ struct SphereScene {
   }
   TargetMotion track(const std::vector<Eigen::Affine3f>& motion) {
     write_rollout(folder / "r.h5", gaussians, motion);
-    const RolloutReader rollout(folder / "r.h5", gaussians.size());
+    const splat::RolloutFrames rollout(folder / "r.h5", state);
     const std::vector<uint8_t> target(gaussians.size(), 1);
-    queries = choose_queries(scene, gaussians, state, rollout, target);
-    return track_target(scene, gaussians, state, rollout, target, queries);
+    queries = choose_queries(scene, gaussians, rollout, target);
+    return track_target(scene, gaussians, rollout, target, queries);
   }
   TemporaryFolder folder;
   Gaussians gaussians;
