@@ -4,7 +4,8 @@
 #include <cmath>
 #include <set>
 
-#include "candidate/predicates.h"
+#include "candidate/stiffness_weight.h"
+#include "records/support.h"
 
 namespace physmas::candidate {
 namespace {
@@ -39,8 +40,9 @@ Context make_context(const Inventory& inventory, const Evidence& evidence, const
       continue;
     }
     const int label = evidence.rows[r].label;
-    context.active.push_back({static_cast<int>(r), is_support(row, label), is_cohesive(row, label),
-                              stiffness_weight(row, label), targets.count(static_cast<int>(r)) > 0});
+    const bool support = construction_support(row, label);
+    context.active.push_back({static_cast<int>(r), support, construction_cohesive(row, label),
+                              stiffness_weight(row, support), targets.count(static_cast<int>(r)) > 0});
     objects.insert(row.object);
     context.mean_part_confidence += evidence.rows[r].part_confidence;
   }

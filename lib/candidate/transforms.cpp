@@ -5,8 +5,8 @@
 #include <functional>
 #include <map>
 
-#include "records/evaluator.h"
 #include "records/screen.h"
+#include "records/support.h"
 
 namespace physmas::candidate {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "material/label_scores.h"
-#include "records/text_match.h"
+#include "records/support.h"
 
 namespace physmas::material {
 namespace {
@@ -131,7 +131,7 @@ EvidenceRow::Guard elastic_solid_guard(const EvidenceRow& evidence, const Invent
   Tests tests;
   tests.require(!is_elastic_solid(before), "the label before is no elastic solid", kLabels[before].name,
                 "outside the Metal branch");
-  const bool structural = is_structural(row);
+  const bool structural = guard_structural(row);
   tests.require(structural, "the row is structural", structural, true);
   tests.at_least("expected-label elastic-solid fraction at least", fraction, kElasticExpectedFraction);
   Json records = Json::array();
@@ -165,13 +165,6 @@ EvidenceRow::Guard elastic_solid_guard(const EvidenceRow& evidence, const Invent
 }
 
 }  // namespace
-
-bool is_structural(const InventoryRow& row) {
-  const std::set<std::string> words = words_of(match_text({row.physics_group, row.structural_role}));
-  const auto has = [&](const char* word) { return words.count(word) > 0; };
-  return has("support") || has("supporting") || has("structural") || has("rigid") || has("loadbearing") ||
-         (has("load") && has("bearing"));
-}
 
 void apply_guards(EvidenceRow& evidence, const InventoryRow& row, const std::vector<ValidVlmRecord>& vlm) {
   evidence.guards.push_back(expected_guard(evidence, evidence.posterior.front().first));

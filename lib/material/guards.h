@@ -15,9 +15,6 @@ namespace physmas::material {
 // label m_r and confidence P_r(m_r). The posterior is not recomputed in between.
 void apply_guards(EvidenceRow& evidence, const InventoryRow& row, const std::vector<ValidVlmRecord>& vlm);
 
-// Whether the whole words of physics group and structural role name a load-bearing or rigid part.
-bool is_structural(const InventoryRow& row);
-
 }  // namespace physmas::material
 
 #endif

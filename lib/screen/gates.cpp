@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "records/evaluator.h"
+#include "records/support.h"
 
 namespace physmas::screen {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <set>
 
-#include "records/evaluator.h"
+#include "records/support.h"
 #include "records/text_match.h"
 
 namespace physmas::screen {

@@ -7,10 +7,9 @@
 
 #include "candidate/build.h"
 #include "candidate/compile_action.h"
-#include "candidate/predicates.h"
 #include "candidate/schedule.h"
+#include "candidate/stiffness_weight.h"
 #include "candidate/timestep.h"
-#include "records/evaluator.h"
 
 using namespace physmas;
 using namespace physmas::candidate;
@@ -103,41 +102,12 @@ Candidate base_of(const Configuration& configuration) {
 
 }  // namespace
 
-TEST_CASE("candidate: construction predicates and their precedence") {
-  CHECK(is_support(part("o", "Tray"), kFoam));
-  CHECK(is_support(part("o", "x", "load_bearing"), kFoam));
-  CHECK(is_support(part("o", "x", "", "impact part"), kFoam));
-  CHECK(is_support(part("o", "soft plate"), kFoam));    // support before soft
-  CHECK_FALSE(is_support(part("o", "fruit"), kStone));  // soft before the label
-  CHECK(is_support(part("o", "thing"), kGlass));
-  CHECK_FALSE(is_support(part("o", "thing"), kPlastic));
-  CHECK_FALSE(is_cohesive(part("o", "plate body"), kFoam));
-  CHECK(is_cohesive(part("o", "thing", "coating"), kPlastic));
-  CHECK(is_cohesive(part("o", "thing"), kRubber));  // "rubber" is in the visual label
-  CHECK(is_cohesive(part("o", "thing"), kPaper));   // branch Foam
-  CHECK_FALSE(is_cohesive(part("o", "thing"), kSand));
-  CHECK(is_cohesive(part("o", "sand base"), kSand));  // no granular exclusion here
-  CHECK(stiffness_weight(part("o", "plate stick"), kFoam) == 1.6);
-  CHECK(stiffness_weight(part("o", "candle with cream"), kFoam) == 1.45);
-  CHECK(stiffness_weight(part("o", "cream berry"), kFoam) == 1.25);
-  CHECK(stiffness_weight(part("o", "icing"), kFoam) == 1.05);
-  CHECK(stiffness_weight(part("o", "sponge"), kFoam) == 1);
-}
-
-TEST_CASE("candidate: evaluator predicates") {
-  CandidateRow row;
-  row.label = kFoam, row.branch = Branch::foam;
-  CHECK(evaluator_support(part("o", "Base_Support"), row));
-  CHECK_FALSE(evaluator_support(part("o", "x", "support"), row));  // name only
-  CHECK(evaluator_cohesive(part("o", "x", "food"), row));
-  row.label = kSand, row.branch = Branch::sand;
-  CHECK_FALSE(evaluator_cohesive(part("o", "sand body"), row));
-  row.label = kWood, row.branch = Branch::jelly;
-  CHECK(evaluator_support(part("o", "x"), row));
-  CHECK_FALSE(evaluator_cohesive(part("o", "x body"), row));
-  row.label = kPlastic, row.branch = Branch::metal;
-  CHECK_FALSE(evaluator_cohesive(part("o", "x"), row));
-  CHECK(evaluator_cohesive(part("o", "x core"), row));
+TEST_CASE("candidate: the stiffness weight is the first rule that matches") {
+  CHECK(stiffness_weight(part("o", "plate stick"), true) == 1.6);
+  CHECK(stiffness_weight(part("o", "candle with cream"), false) == 1.45);
+  CHECK(stiffness_weight(part("o", "cream berry"), false) == 1.25);
+  CHECK(stiffness_weight(part("o", "icing"), false) == 1.05);
+  CHECK(stiffness_weight(part("o", "sponge"), false) == 1);
 }
 
 TEST_CASE("candidate: quantiles are monotone and stay inside the label's domain") {
