@@ -29,9 +29,12 @@ BUILD ?= build
 MODE_FLAGS := $(OPT) -DNDEBUG
 endif
 
+.DEFAULT_GOAL := all
+include packaging/kernels.mk
+
 CPPFLAGS := -Ilib -Itests -I$(BUILD)/gen -isystem /usr/include/hdf5/serial -isystem /usr/include/opencv4 \
-            -isystem /usr/include/eigen3 -DPHYSMAS_VERSION='"$(VERSION)"'
-CXXFLAGS := -std=c++17 -march=$(ARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fno-trapping-math \
+            -isystem /usr/include/eigen3 -DPHYSMAS_VERSION='"$(VERSION)"' $(if $(KERNEL_SETS),-DPHYSMAS_KERNEL_SETS)
+CXXFLAGS := -std=c++17 -march=$(MARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fno-trapping-math \
             -Wall -Wextra -Wno-unknown-pragmas $(if $(findstring clang,$(CXX)),,-Wno-maybe-uninitialized) $(if $(WERROR),-Werror) $(EXTRA_CXXFLAGS)
 , := ,
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
@@ -50,7 +53,7 @@ TEST_TOOLS := $(TEST_TOOL_SOURCES:tests/tools/%.cpp=$(BUILD)/test/%)
 BIN := $(BUILD)/bin
 
 objects = $(patsubst %.cpp,$(BUILD)/obj/%.o,$(1))
-LIB_OBJECTS := $(call objects,$(LIB_SOURCES)) $(BUILD)/obj/gen/embedded_texts.o
+LIB_OBJECTS := $(call objects,$(filter-out $(if $(KERNEL_SETS),$(KERNELS)),$(LIB_SOURCES))) $(KERNEL_OBJECTS) $(BUILD)/obj/gen/embedded_texts.o
 LIBRARY := $(BUILD)/libphysmas.a
 
 .PHONY: all
@@ -180,8 +183,8 @@ NARROWER := $(if $(filter x86_64,$(shell uname -m)),x86-64-v3 x86-64)
 .PHONY: check-portable
 check-portable: $(BUILD)/gen/embedded_texts.cpp ## Compile the solver for processors without AVX-512 as well, without keeping it
 	$(Q)for arch in $(NARROWER); do \
-	  $(CXX) $(CPPFLAGS) $(CXXFLAGS) -march=$$arch -Wno-psabi -fsyntax-only lib/mpm/cpu/stepper.cpp || exit; \
-	  echo "lib/mpm/cpu/stepper.cpp compiles for $$arch"; done
+	  $(CXX) $(CPPFLAGS) $(CXXFLAGS) -march=$$arch -Wno-psabi -fsyntax-only $(KERNELS) || exit; \
+	  echo "$(KERNELS) compile for $$arch"; done
 
 ifeq ($(SAN),1)
 export LSAN_OPTIONS := suppressions=$(abspath tests/leaks.supp):print_suppressions=0
@@ -287,7 +290,7 @@ verification: $(BIN)/pm-eval ## The solver against analytic answers, under refin
 
 # --- Installation and packages ------------------------------------------------------------------------------------
 
-include packaging/install.mk
+include packaging/install.mk packaging/deb.mk
 
 # --- Housekeeping -------------------------------------------------------------------------------------------------
 
@@ -301,4 +304,4 @@ format: ## Format the sources with clang-format
 help: ## List the targets
 	@echo 'Usage: make [target] [NAME=value ...]'
 	@grep -hE '^[a-z-]+:.*##' Makefile packaging/*.mk | awk -F ':.*## ' '{ printf "  %-10s %s\n", $$1, $$2 }'
-	@echo 'Variables: CXX, ARCH=native, SAN=1 (sanitizers), BUILD=build, V=1 (print commands), PREFIX, THREADS'
+	@echo 'Variables: CXX, ARCH=native (or baseline: any processor), SAN=1 (sanitizers), BUILD=build, V=1 (print commands), PREFIX, THREADS'

@@ -7,22 +7,18 @@
 #include <new>
 
 #include "base/error.h"
+#include "base/kernels.h"
 #include "base/log.h"
 
 namespace physmas {
 namespace {
 
 std::string version_text(const std::string& tool) {
-  std::string features;
-#ifdef __AVX512F__
-  features += " AVX-512";
-#elif defined(__AVX2__)
-  features += " AVX2";
-#endif
+  std::string features = name_of(widest_kernels());
 #ifdef __SANITIZE_ADDRESS__
   features += " sanitizers";
 #endif
-  return fmt::format("{} {} (compiler {}; built with OpenMP{}; without CUDA)", tool, PHYSMAS_VERSION, __VERSION__,
+  return fmt::format("{} {} (compiler {}; built with OpenMP, {}; without CUDA)", tool, PHYSMAS_VERSION, __VERSION__,
                      features);
 }
 
@@ -90,6 +86,7 @@ int run_tool(int argc, char** argv, const ToolMain& tool) {
     if (quiet) set_log_level(LogLevel::error);
     if (common.threads > 0) omp_set_num_threads(common.threads);
     require_device_available(common.device);
+    chosen_kernels();  // here, where an error is reported
     return tool.work(common);
   } catch (const Error& e) {
     log_error(e.what());

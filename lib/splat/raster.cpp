@@ -5,6 +5,7 @@
 #include <cstring>
 #include <vector>
 
+#include "base/kernels.h"
 #include "splat/lanes.h"
 
 namespace physmas::splat {
@@ -174,8 +175,12 @@ void LaneRaster::write(int column, int row, const RasterTarget& target) const {
 
 }  // namespace
 
+namespace PHYSMAS_KERNELS {
+
 std::unique_ptr<TileRaster> make_tile_raster(int label_count) {
   return std::make_unique<LaneRaster>(label_count);
 }
+
+}  // namespace PHYSMAS_KERNELS
 
 }  // namespace physmas::splat

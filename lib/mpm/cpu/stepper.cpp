@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "base/clock.h"
+#include "base/kernels.h"
 #include "mpm/cpu/block_pass.h"
 
 namespace physmas::mpm {
@@ -180,9 +181,13 @@ StepReport TypedStepper<T>::advance(int steps, double dt, const ControlSource& c
 
 }  // namespace
 
+namespace PHYSMAS_KERNELS {
+
 std::unique_ptr<Stepper> make_stepper(Precision precision, const StepperSetup& setup) {
   if (precision == Precision::full) return std::make_unique<TypedStepper<double>>(setup);
   return std::make_unique<TypedStepper<float>>(setup);
 }
+
+}  // namespace PHYSMAS_KERNELS
 
 }  // namespace physmas::mpm
