@@ -36,7 +36,7 @@ INSTALLED := $(foreach t,$(TOOLS),$(BIN)/$(t)=bin/$(t)) \
   $(call shared,$(filter-out pipelines/installed.mk,$(wildcard pipelines/*.mk pipelines/*.sh pipelines/*/*.mk pipelines/*/*.sh))) \
   $(call shared,$(wildcard schemas/*.json schemas/*.md examples/*.json examples/*.sha256 examples/*/*.json)) \
   $(patsubst %,%=share/physmas/physmas.mk,$(wildcard pipelines/installed.mk)) \
-  $(foreach f,LICENSE $(wildcard *.md docs/*.md docs/*.cff docs/images/*),$(f)=share/doc/physmas/$(f:docs/%=%))
+  $(foreach f,LICENSE $(wildcard *.md *.cff docs/*.md docs/*.cff docs/images/*),$(f)=share/doc/physmas/$(f:docs/%=%))
 
 .PHONY: install uninstall
 install: all man completions ## Install tools, man pages, completion, pipelines, schemas, examples and docs into PREFIX=/usr/local
