@@ -128,3 +128,18 @@ complete_words() { # TOOL WORD...
   [ "$(complete_words pm-material --exchanges f)" = folder ]
   [ -z "$(complete_words pm-simulate --threads "")" ]
 }
+
+@test "install: physmas.mk runs with the tools of its prefix, from any folder" {
+  "$bin/pm-scene" synth "$root/tests/data/tiny.json" --out bundle --quiet
+  env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL -u BIN make --no-print-directory -f "$usr/share/physmas/physmas.mk" run SCENE=bundle/scene.json \
+    RUN=run SET="screening.initial=2 time.frames=10" >log
+  cat log
+  grep -q '^Accepted' log
+  [ -s run/final.mp4 ]
+  # A trace of what ran: without the tools of the prefix there is nothing to run with.
+  mv "$usr/bin" "$usr/bin.away"
+  run env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL -u BIN PATH=/usr/bin:/bin make -f "$usr/share/physmas/physmas.mk" run SCENE=bundle/scene.json
+  mv "$usr/bin.away" "$usr/bin"
+  [ "$status" -ne 0 ]
+  [[ "$output" == *"are not on PATH"* ]]
+}
