@@ -15,7 +15,6 @@ double paper_step(const std::vector<mpm::Material>& materials) {
   std::vector<CandidateRow> rows;
   for (const mpm::Material& m : materials) {
     CandidateRow row;
-    row.branch = m.branch;
     row.E = m.E, row.nu = m.nu, row.rho = m.rho;
     rows.push_back(row);
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/elasticity.h"
+
 namespace physmas::candidate {
 namespace {
 
@@ -12,12 +14,6 @@ constexpr double kWaveSpeedScale = 0.7;  // kappa_CFL
 constexpr double kSlack = 1e-9;
 
 }  // namespace
-
-double wave_speed(double E, double nu, double rho) {
-  const double G = E / (2 * (1 + nu));
-  const double lambda = E * nu / ((1 + nu) * (1 - 2 * nu));
-  return std::sqrt((lambda + 2 * G) / rho);
-}
 
 TimestepResult step_size(const std::vector<CandidateRow>& rows, const WholeObject& whole,
                          const RunSpecification::Time& time) {

@@ -10,9 +10,6 @@
 
 namespace physmas::candidate {
 
-// Elastic wave-speed proxy sqrt((lambda + 2 G) / rho) [m/s]; E [Pa], rho [kg/m^3].
-double wave_speed(double E, double nu, double rho);
-
 // The target step, its ceiling-rounded count of substeps per output frame, and the caps. The whole-object row always
 // takes part.
 TimestepResult step_size(const std::vector<CandidateRow>& rows, const WholeObject& whole,

@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "bind/branch.h"
+
 namespace physmas::studies {
 namespace {
 
@@ -104,13 +106,13 @@ StabilityCase falling_pair(const std::string& study, const std::string& name, co
 }
 
 void add_sweep(std::vector<StabilityCase>& cases, bool quick) {
-  for (int b = 0; b < kBranchCount; ++b) {
+  for (int b = 0; b < mpm::kBranchCount; ++b) {
     for (size_t e = 0; e < swept_E().size(); ++e) {
       for (size_t n = 0; n < swept_nu().size(); ++n) {
         for (size_t r = 0; r < swept_rho().size(); ++r) {
           if (quick && (e % 5 != 0 || n % 5 != 2 || r != 1)) continue;
           cases.push_back(falling_block("sweep", "falling block",
-                                        {static_cast<Branch>(b), swept_E()[e], swept_nu()[n], swept_rho()[r]}));
+                                        {static_cast<mpm::Branch>(b), swept_E()[e], swept_nu()[n], swept_rho()[r]}));
         }
       }
     }
@@ -123,7 +125,7 @@ void add_labels(std::vector<StabilityCase>& cases, bool quick) {
     for (const double E : {label.E_lo, label.E_hi}) {
       for (const double nu : {label.nu_lo, label.nu_hi}) {
         if (quick && (E == label.E_lo || nu == label.nu_lo)) continue;
-        cases.push_back(falling_block("labels", label.name, {label.branch, E, nu, label.rho}));
+        cases.push_back(falling_block("labels", label.name, {bind::bind_branch(label.branch), E, nu, label.rho}));
       }
     }
   }
@@ -132,29 +134,29 @@ void add_labels(std::vector<StabilityCase>& cases, bool quick) {
 // The rows that the composite transforms of Table "candidatetransforms" and the repairs write (lib/candidate), at both
 // ends of what they allow, with the fallback of the whole-object record (5e5 Pa, 0.476, 5000 kg/m³).
 void add_transforms(std::vector<StabilityCase>& cases) {
-  const Material bonded = {Branch::plasticine, 5e5, 0.476, 5000};
+  const Material bonded = {mpm::Branch::plasticine, 5e5, 0.476, 5000};
   const auto block = [&](const char* name, const Material& m) {
     cases.push_back(falling_block("transforms", name, m));
   };
   const auto pair = [&](const char* name, const Material& below, const Material& above) {
     cases.push_back(falling_pair("transforms", name, below, above));
   };
-  block("support row, lightest", {Branch::metal, 1e7, 0.35, 1000});
-  block("support row, heaviest", {Branch::metal, 1e7, 0.05, 3000});
-  block("impact target, softest", {Branch::foam, 2e4, 0.2, 300});
-  block("impact target, stiffest", {Branch::foam, 7.5e4, 0.4, 450});
-  block("compatible row, lightest", {Branch::plasticine, 1.7 * 5e5, 0.485, 100});
-  block("compatible row, heaviest", {Branch::plasticine, 0.85 * 5e5, 0.2, 7800});
-  block("elastic cohesion", {Branch::jelly, 5e5, 0.42, 500});
-  block("higher cohesion, sand", {Branch::sand, 5e5, 0.45, 500});
-  pair("hard-support bonded", {Branch::metal, 1e7, 0.35, 2500}, bonded);
-  pair("support-stiff under foam", {Branch::metal, 1e7, 0.35, 1000}, {Branch::foam, 1e3, 0.1, 300});
-  pair("rigid-support under snow", {Branch::metal, 1e7, 0.45, 300}, {Branch::snow, 1e3, 0.1, 300});
-  pair("solver-compatible", bonded, {Branch::plasticine, 0.85 * 5e5, 0.476, 5000});
+  block("support row, lightest", {mpm::Branch::metal, 1e7, 0.35, 1000});
+  block("support row, heaviest", {mpm::Branch::metal, 1e7, 0.05, 3000});
+  block("impact target, softest", {mpm::Branch::foam, 2e4, 0.2, 300});
+  block("impact target, stiffest", {mpm::Branch::foam, 7.5e4, 0.4, 450});
+  block("compatible row, lightest", {mpm::Branch::plasticine, 1.7 * 5e5, 0.485, 100});
+  block("compatible row, heaviest", {mpm::Branch::plasticine, 0.85 * 5e5, 0.2, 7800});
+  block("elastic cohesion", {mpm::Branch::jelly, 5e5, 0.42, 500});
+  block("higher cohesion, sand", {mpm::Branch::sand, 5e5, 0.45, 500});
+  pair("hard-support bonded", {mpm::Branch::metal, 1e7, 0.35, 2500}, bonded);
+  pair("support-stiff under foam", {mpm::Branch::metal, 1e7, 0.35, 1000}, {mpm::Branch::foam, 1e3, 0.1, 300});
+  pair("rigid-support under snow", {mpm::Branch::metal, 1e7, 0.45, 300}, {mpm::Branch::snow, 1e3, 0.1, 300});
+  pair("solver-compatible", bonded, {mpm::Branch::plasticine, 0.85 * 5e5, 0.476, 5000});
 }
 
 Material typical(int branch) {
-  return {static_cast<Branch>(branch), 1e5, 0.3, 1000};
+  return {static_cast<mpm::Branch>(branch), 1e5, 0.3, 1000};
 }
 
 StabilityCase extreme(const std::string& name, const Material& material) {
@@ -168,7 +170,7 @@ StabilityCase extreme(const std::string& name, const Material& material) {
 
 void add_few_particles(std::vector<StabilityCase>& cases) {
   const Vec3d above = {8.2 * kDx, 8.4 * kDx, kFloor + 0.7 * kDx};
-  const Material stiff = {Branch::metal, 1e7, 0.3, 1000}, soft = {Branch::jelly, 1e5, 0.3, 1000};
+  const Material stiff = {mpm::Branch::metal, 1e7, 0.3, 1000}, soft = {mpm::Branch::jelly, 1e5, 0.3, 1000};
   StabilityCase c = extreme("one particle", stiff);
   add_particle(c.problem, above, 0, {1, 0, -1});
   cases.push_back(c);
@@ -202,7 +204,7 @@ void add_few_particles(std::vector<StabilityCase>& cases) {
 }
 
 void add_thin(std::vector<StabilityCase>& cases) {
-  for (int b = 0; b < kBranchCount; ++b) {
+  for (int b = 0; b < mpm::kBranchCount; ++b) {
     StabilityCase c = extreme("a sheet thinner than a cell", typical(b));
     for (int x = 0; x < 6; ++x)
       for (int y = 0; y < 6; ++y)
@@ -222,7 +224,7 @@ void add_deformed(std::vector<StabilityCase>& cases) {
       {"stretched F: 3", mpm::diagonal(3.0, 3.0, 3.0)},
       {"sheared F: 5", {{{1, 5, 0}, {0, 1, 0}, {0, 0, 1}}}},
   };
-  for (int b = 0; b < kBranchCount; ++b) {
+  for (int b = 0; b < mpm::kBranchCount; ++b) {
     for (const auto& [name, F] : starts) {
       StabilityCase c = extreme(name, typical(b));
       add_block(c.problem, block_corner(), {kEdge, kEdge, kEdge}, 0, {0, 0, 0});
@@ -234,7 +236,7 @@ void add_deformed(std::vector<StabilityCase>& cases) {
 }
 
 void add_forced(std::vector<StabilityCase>& cases) {
-  for (int b = 0; b < kBranchCount; ++b) {
+  for (int b = 0; b < mpm::kBranchCount; ++b) {
     StabilityCase c = falling_block("extremes", "gravity: none", typical(b));
     c.problem.domain.gravity = {0, 0, 0};
     cases.push_back(c);
@@ -253,26 +255,26 @@ void add_forced(std::vector<StabilityCase>& cases) {
     c.duration = 0.1;
     cases.push_back(c);
   }
-  for (int b = 0; b < kBranchCount; ++b) {
-    StabilityCase c =
-        extreme("stiff, hitting the floor at a fifth of its wave speed", {static_cast<Branch>(b), 3e11, 0.3, 1000});
+  for (int b = 0; b < mpm::kBranchCount; ++b) {
+    StabilityCase c = extreme("stiff, hitting the floor at a fifth of its wave speed",
+                              {static_cast<mpm::Branch>(b), 3e11, 0.3, 1000});
     const double speed = 0.2 * wave_speed(c.problem.materials[0]);
     add_block(c.problem, block_corner(), {kEdge, kEdge, kEdge}, 0, {0.3 * speed, 0, -speed});
     c.duration = 2 * kGap / speed + kTransits * kEdge / wave_speed(c.problem.materials[0]);
     cases.push_back(c);
   }
-  StabilityCase c = falling_pair("extremes", "stiff under soft, ratio 1e8", {Branch::metal, 1e11, 0.3, 1000},
-                                 {Branch::jelly, 1e3, 0.3, 1000});
+  StabilityCase c = falling_pair("extremes", "stiff under soft, ratio 1e8", {mpm::Branch::metal, 1e11, 0.3, 1000},
+                                 {mpm::Branch::jelly, 1e3, 0.3, 1000});
   c.duration = 2e-3;
   cases.push_back(c);
-  c = falling_pair("extremes", "soft under stiff, ratio 1e8", {Branch::jelly, 1e3, 0.3, 1000},
-                   {Branch::metal, 1e11, 0.3, 1000});
+  c = falling_pair("extremes", "soft under stiff, ratio 1e8", {mpm::Branch::jelly, 1e3, 0.3, 1000},
+                   {mpm::Branch::metal, 1e11, 0.3, 1000});
   c.duration = 2e-3;
   cases.push_back(c);
 }
 
 void add_crowd(std::vector<StabilityCase>& cases, int count) {
-  StabilityCase c = extreme(fmt::format("{} particles in one cell", count), {Branch::jelly, 1e5, 0.3, 1000});
+  StabilityCase c = extreme(fmt::format("{} particles in one cell", count), {mpm::Branch::jelly, 1e5, 0.3, 1000});
   std::mt19937 random(11);
   std::uniform_real_distribution<double> inside(0, kDx);
   for (int i = 0; i < count; ++i) {

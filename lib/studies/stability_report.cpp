@@ -77,10 +77,10 @@ std::string map_script(const std::vector<StabilityRun>& runs, const PaperStep& p
                 : "set palette maxcolors 4 defined (0 '#7fbf7b', 1 '#fdae61', 2 '#d73027', 3 '#8073ac')\nset cbrange "
                   "[-0.5:3.5]\n"
                   "unset colorbox\n";
-  for (int b = 0; b < kBranchCount; ++b) {
+  for (int b = 0; b < mpm::kBranchCount; ++b) {
     std::string cells, lines;
     for (const StabilityRun& r : runs) {
-      const bool shown = r.study == "sweep" && r.branch == kBranchNames[b] && (r.rule == "cfl") == cfl &&
+      const bool shown = r.study == "sweep" && r.branch == mpm::kBranchNames[b] && (r.rule == "cfl") == cfl &&
                          r.precision == "float" && (axis.is_nu ? r.rho == kMapRho : r.nu == kMapNu);
       if (!shown) continue;
       const auto index = [](const std::vector<double>& values, double v) {
@@ -92,7 +92,7 @@ std::string map_script(const std::vector<StabilityRun>& runs, const PaperStep& p
           fmt::format("{} {} {:.3g}\n", index(swept_E(), r.E), index(axis.values, axis.is_nu ? r.nu : r.rho), value);
     }
     for (size_t i = 0; i < axis.values.size(); ++i) {
-      mpm::Material m = {static_cast<Branch>(b), 1, kMapNu, kMapRho};
+      mpm::Material m = {static_cast<mpm::Branch>(b), 1, kMapNu, kMapRho};
       (axis.is_nu ? m.nu : m.rho) = axis.values[i];
       // Drawn across the cell's height, so that the line turns where the cells do.
       for (const double edge : {-0.5, 0.5})
@@ -101,7 +101,7 @@ std::string map_script(const std::vector<StabilityRun>& runs, const PaperStep& p
     }
     script +=
         fmt::format("$cells << EOD\n{}EOD\n$lines << EOD\n{}EOD\nset title '{}'\nplot $cells using 1:2:3 with image",
-                    cells, lines, kBranchNames[b]);
+                    cells, lines, mpm::kBranchNames[b]);
     if (!cfl)
       script += ", $lines using 1:3 with lines lw 2 lc 'black', $lines using 2:3 with lines lw 2 dt 2 lc 'black'";
     script += "\n";

@@ -4,8 +4,9 @@
 
 #include <cmath>
 
+#include "base/elasticity.h"
+#include "mpm/material/branch.h"
 #include "mpm/math/real.h"
-#include "records/labels.h"
 
 namespace physmas::mpm {
 
@@ -50,8 +51,9 @@ struct MaterialParameters {
 
 inline MaterialParameters<double> derive_parameters(const Material& m, const ProfileConstants& c) {
   MaterialParameters<double> p{};
-  p.mu = m.E / (2 * (1 + m.nu));
-  p.lambda = m.E * m.nu / ((1 + m.nu) * (1 - 2 * m.nu));
+  const Lame elastic = lame(m.E, m.nu);
+  p.mu = elastic.mu;
+  p.lambda = elastic.lambda;
   p.bulk = p.lambda + 2 * p.mu / 3;
   p.density = m.rho;
   const double sine = std::sin(c.sand_friction_angle * 3.14159265358979323846 / 180);
@@ -89,11 +91,9 @@ PHYSMAS_INLINE MaterialParameters<T> select(const Condition& c, const MaterialPa
   return map_parameters<T>([&](const T& yes, const T& no) PHYSMAS_LAMBDA_INLINE { return select(c, yes, no); }, a, b);
 }
 
-// Speed of the fastest elastic wave [m/s] (paper, Eq. "supp-wavespeed").
+// Speed of the fastest elastic wave at rest [m/s].
 inline double wave_speed(const Material& m) {
-  const double mu = m.E / (2 * (1 + m.nu));
-  const double lambda = m.E * m.nu / ((1 + m.nu) * (1 - 2 * m.nu));
-  return std::sqrt((lambda + 2 * mu) / m.rho);
+  return physmas::wave_speed(m.E, m.nu, m.rho);
 }
 
 }  // namespace physmas::mpm

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/elasticity.h"
 #include "candidate/build.h"
 #include "candidate/compile_action.h"
 #include "candidate/schedule.h"
