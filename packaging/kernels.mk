@@ -3,7 +3,7 @@
 # is what -march takes. Included by the Makefile.
 
 # The solver's step and the rasteriser.
-KERNELS := lib/mpm/cpu/stepper.cpp lib/splat/raster.cpp
+KERNELS := lib/mpm/cpu/cpu_stepper.cpp lib/splat/raster.cpp
 
 MARCH := $(ARCH)
 ifeq ($(ARCH),baseline)

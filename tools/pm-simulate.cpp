@@ -39,7 +39,7 @@ Provenance provenance_of(const CliOptions& options, const std::string& rule) {
 mpm::Options solver_options(const CliOptions& options, const CommonOptions& common, const RunSpecification& run) {
   mpm::Options solver;
   solver.precision = options.precision == "double" ? mpm::Precision::full : mpm::Precision::single;
-  solver.threads = common.threads;
+  solver.device = common.device;
   solver.measure_energy = options.energy != "off";
   solver.measure_steps = options.energy == "steps";
   solver.track_total_F = run.transport.total;

@@ -33,18 +33,12 @@ void last_value_wins(CLI::App& app) {
 
 }  // namespace
 
-void require_device_available(const std::string& device) {
-  if (device == "cuda") {
-    throw Error(ExitCode::usage, "--device cuda: this build has no CUDA back end, expected cpu or auto");
-  }
-}
-
 int run_tool(int argc, char** argv, const ToolMain& tool) {
   set_tool_name(tool.name);
   // A write to a closed pipe must be an error that we report, not a silent death.
   std::signal(SIGPIPE, SIG_IGN);
   CommonOptions common;
-  std::string level = "warning";
+  std::string level = "warning", device = "auto";
   bool quiet = false;
   CLI::App app(tool.description, tool.name);
   app.footer(tool.footer);
@@ -56,7 +50,7 @@ int run_tool(int argc, char** argv, const ToolMain& tool) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str()
       ->group("Common");
-  app.add_option("--device", common.device, "Where to compute: auto, cpu or cuda")
+  app.add_option("--device", device, "Where to compute: auto, cpu or cuda")
       ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
       ->capture_default_str()
       ->group("Common");
@@ -85,7 +79,7 @@ int run_tool(int argc, char** argv, const ToolMain& tool) {
     }
     if (quiet) set_log_level(LogLevel::error);
     if (common.threads > 0) omp_set_num_threads(common.threads);
-    require_device_available(common.device);
+    common.device = choose_device(device, common.threads);
     chosen_kernels();  // here, where an error is reported
     return tool.work(common);
   } catch (const Error& e) {

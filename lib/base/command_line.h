@@ -8,12 +8,14 @@
 #include <utility>
 #include <vector>
 
+#include "base/device.h"
+
 namespace physmas {
 
 // Options that mean the same in every tool.
 struct CommonOptions {
-  int threads = 0;              // 0: all cores
-  std::string device = "auto";  // auto | cpu | cuda
+  int threads = 0;  // 0: all cores
+  Device device;    // with as many threads
 };
 
 // A tool's command line. `options` fills the parser; `work` runs after parsing and returns the exit code.
@@ -34,9 +36,6 @@ struct Subcommand {
 };
 
 int run_tool(int argc, char** argv, const ToolMain& tool);
-
-// Only the CPU is built so far: `cuda` is refused with exit code 2, never silently replaced.
-void require_device_available(const std::string& device);
 
 }  // namespace physmas
 

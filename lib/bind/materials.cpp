@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "bind/branch.h"
 
 namespace physmas::bind {
 
@@ -16,7 +17,7 @@ std::vector<mpm::Material> bind_materials(const Candidate& candidate, const Stat
                           fmt::format("the key of row {} of the state", row.row),
                           "make the candidates again with pm-candidates");
     }
-    materials[row.row] = {row.branch, row.E, row.nu, row.rho};
+    materials[row.row] = {bind_branch(row.branch), row.E, row.nu, row.rho};
     bound[row.row] = true;
   }
   for (const int32_t r : state.row) {

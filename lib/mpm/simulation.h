@@ -9,7 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "base/device.h"
 #include "mpm/action/schedule.h"
+#include "mpm/balance.h"
 #include "mpm/domain.h"
 #include "mpm/material/material.h"
 #include "mpm/state.h"
@@ -39,7 +41,7 @@ struct Timing {
 
 struct Options {
   Precision precision = Precision::single;
-  int threads = 0;                   // 0: all cores. Results do not depend on it, byte for byte
+  Device device;                     // results do not depend on its threads, byte for byte
   bool track_total_F = false;        // integrate State::total_F = Π (I + dt C), which no return map touches
   bool measure_energy = true;        // elastic energy and the range of det F at output frames
   bool measure_steps = false;        // the energy budget of every substep (much slower); implies measure_energy
@@ -55,41 +57,11 @@ struct Frame {
 };
 using FrameCallback = std::function<void(const Frame&)>;
 
-// Totals over all particles at an output frame.
-struct Balance {
-  int frame = 0;
-  double time = 0;                     // s
-  double mass = 0;                     // kg
-  double kinetic = 0;                  // J, particle velocities only
-  double affine = 0;                   // J, kinetic energy of the affine fields of APIC
-  double elastic = 0;                  // J; trial energy for Sand, Snow and Plasticine; 0 when not measured
-  double recoverable = 0;              // J, the part of it in rows that have a potential: Jelly, Metal and Foam
-  double gravity = 0;                  // J, relative to the origin of solver space
-  double control_work = 0;             // J put in by actions and projections since the start (positive parts)
-  Vec3d momentum = {0, 0, 0};          // kg m/s
-  Vec3d angular_momentum = {0, 0, 0};  // kg m^2/s about the origin, the affine part of APIC included
-  double max_speed = 0;                // m/s
-  double min_J = 1, max_J = 1;         // det F; 1 when not measured
-  long long at_wall = 0;               // particles whose stencil reaches a wall node
-  EnergyBudget budget;                 // sums since the start; zero unless substeps are measured
-
-  double energy() const { return kinetic + affine + elastic + gravity; }  // J
-};
-
-// How well the energies of a run add up.
-struct EnergyResidual {
-  bool measured = false;  // false: no elastic energy was measured
-  bool per_step = false;
-  // per_step: largest |residual| of the budget at an output frame: what no measured term explains.
-  // Otherwise: the largest rise of the total energy above an earlier frame beyond the work of controls in between:
-  // energy from nowhere, at least; losses cannot be told from dissipation.
-  double joules = 0;
-  double scale = 0;  // J: largest kinetic + elastic energy, or change of the energy of gravity, at an output frame
-};
-
+// A part of the solver that a problem does without.
 struct Omission {
   std::string what, why;
 };
+std::vector<Omission> omissions(const Problem& problem, const Options& options);
 
 enum class Status { stable, diverged };
 
@@ -127,9 +99,6 @@ void check_problem(const Problem& problem, const Timing& timing);
 Result run(const Problem& problem, const Timing& timing, const Options& options, const FrameCallback& callback);
 
 EnergyResidual energy_residual(const Result& result);
-
-// Totals of a state; `elastic`, `min_J` and `max_J` are left at their defaults.
-Balance measure_balance(const Problem& problem, const State& state);
 
 }  // namespace physmas::mpm
 

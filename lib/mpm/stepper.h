@@ -1,36 +1,21 @@
-// The explicit time integration between two output frames, in one precision. Internal to the solver: simulation.h is
-// what tools use.
+// The explicit time integration between two output frames, by a back end in one precision. Internal to the solver:
+// simulation.h is what tools use.
 #ifndef PHYSMAS_MPM_STEPPER_H
 #define PHYSMAS_MPM_STEPPER_H
 
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
 
-#include "base/team.h"
+#include "base/device.h"
 #include "mpm/action/control.h"
-#include "mpm/domain.h"
 #include "mpm/energy_budget.h"
-#include "mpm/material/material.h"
 #include "mpm/state.h"
+#include "mpm/stepper_setup.h"
 
 namespace physmas::mpm {
 
 enum class Precision { single, full };
-
-// Everything that stays the same during a run.
-struct StepperSetup {
-  Domain domain;
-  std::vector<Branch> branches;                        // per row
-  std::vector<MaterialParameters<double>> parameters;  // per row
-  std::vector<int> row;                                // per particle
-  std::vector<double> volume;                          // per particle [m^3]
-  std::vector<std::uint16_t> control_group;            // per particle
-  bool track_total_F = false;                          // State::total_F is integrated as well
-  Team* team = nullptr;                                // runs the loops; outlives the stepper
-  bool measure_steps = false;                          // the energy budget of every substep
-};
 
 // `budget`: more substeps than allowed; only AdaptiveStepping reports it.
 enum class StepFault { none, not_finite, speed, energy, budget };
@@ -47,11 +32,34 @@ struct StepReport {
   double seconds_particles = 0, seconds_grid = 0, seconds_sort = 0;  // wall clock
 };
 
+// Elastic energy [J] and the range of det F, over all particles.
+struct ElasticSummary {
+  double energy = 0;
+  double recoverable = 0;  // the part of it that has a potential (Jelly, Metal, Foam)
+  double min_J = 1, max_J = 1;
+};
+
+// What bounds the step of one state.
+struct StepBounds {
+  double wave = 0;      // s: largest stable step, min over particles of dx √(ρ/a), a from stiffness.h
+  double speed = 0;     // m/s: fastest particle
+  double gradient = 0;  // 1/s: largest Frobenius norm of a velocity gradient
+};
+
+// What a stepper uses of the machine; for reports only.
+struct StepperUsage {
+  int threads = 1;
+  double grid_share = 0;                      // 0..1: part of the grid that holds material now
+  size_t particle_bytes = 0, grid_bytes = 0;  // of the particles, and of that part of the grid
+};
+
+// A back end. What it returns does not depend on its threads, byte for byte.
 class Stepper {
  public:
   virtual ~Stepper() = default;
   // Takes over a state. Positions outside the safe interior are put on its edge; the number of them is returned.
   virtual long long load(const State& state) = 0;
+  // Only looks: what comes after does not depend on it.
   virtual void store(State& state) const = 0;
 
   // Substep `step` of the interval, counted from 0: fills the groups' controls, returns false when all are idle.
@@ -61,21 +69,15 @@ class Stepper {
   // [J].
   virtual StepReport advance(int steps, double dt, const ControlSource& controls, double energy_limit) = 0;
 
-  virtual int active_grid_blocks() const = 0;
-  // Memory of the particles, and of the active grid nodes, in the solver's own order and precision.
-  virtual size_t particle_bytes() const = 0;
-  virtual size_t grid_bytes() const = 0;
+  // Of any state of the setup's particles, in double precision.
+  virtual ElasticSummary summarise_elastic(const State& state) = 0;
+  virtual StepBounds measure_bounds(const State& state) = 0;
+
+  virtual StepperUsage usage() const = 0;
 };
 
-std::unique_ptr<Stepper> make_stepper(Precision precision, const StepperSetup& setup);
-
-// Total elastic energy [J] and the range of det F, over all particles, independent of the number of threads.
-struct ElasticSummary {
-  double energy = 0;
-  double recoverable = 0;  // the part of it that has a potential (Jelly, Metal, Foam)
-  double min_J = 1, max_J = 1;
-};
-ElasticSummary summarise_elastic(const StepperSetup& setup, const State& state);
+// Throws a usage error (exit code 2) for a device that is not there.
+std::unique_ptr<Stepper> make_stepper(const Device& device, Precision precision, const StepperSetup& setup);
 
 }  // namespace physmas::mpm
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "mpm/cpu/state_lanes.h"
 #include "mpm/material/stiffness.h"
 
 namespace physmas::mpm {
@@ -37,33 +36,6 @@ void add_time(StepReport& total, const StepReport& part) {
 
 }  // namespace
 
-StepBounds measure_bounds(const StepperSetup& setup, const State& state) {
-  using V = Lanes<double>;
-  struct Partial {
-    double softness = std::numeric_limits<double>::infinity();  // ρ/a
-    double speed = 0, gradient = 0;                             // squared
-  };
-  const auto partial = over_state<Partial>(
-      setup, state,
-      [&](Partial& out, Branch branch, const MaterialParameters<V>& p, const Mat3<V>& F, int first, const bool* mine) {
-        const V stiffness = stiffness_bound(branch, p, F);
-        for (int l = 0; l < kLanes<double>; ++l) {
-          if (!mine[l]) continue;
-          const int i = first + l;
-          out.softness = std::min(out.softness, setup.parameters[setup.row[i]].density / double(stiffness[l]));
-          out.speed = std::max(out.speed, dot(state.v[i], state.v[i]));
-          out.gradient = std::max(out.gradient, squared_norm(state.C[i]));
-        }
-      });
-  Partial total;
-  for (const Partial& p : partial) {
-    total.softness = std::min(total.softness, p.softness);
-    total.speed = std::max(total.speed, p.speed);
-    total.gradient = std::max(total.gradient, p.gradient);
-  }
-  return {setup.domain.dx() * std::sqrt(total.softness), std::sqrt(total.speed), std::sqrt(total.gradient)};
-}
-
 double rest_limit(const MaterialParameters<double>& parameters, double dx) {
   return dx * std::sqrt(parameters.density / rest_stiffness(parameters));
 }
@@ -90,7 +62,7 @@ StepReport AdaptiveStepping::advance(Stepper& stepper, State& state, const Actio
                                      double duration, double energy_limit) {
   StepReport total;
   State next = state;
-  StepBounds bounds = measure_bounds(setup_, state);
+  StepBounds bounds = stepper.measure_bounds(state);
   double time = 0;
   while (time < duration) {
     double limit = choose_step(bounds, setup_.domain, largest_dt_);
@@ -119,7 +91,7 @@ StepReport AdaptiveStepping::advance(Stepper& stepper, State& state, const Actio
       StepBounds end;
       if (good) {
         stepper.store(next);
-        end = measure_bounds(setup_, next);
+        end = stepper.measure_bounds(next);
         // Where smaller steps do not help, the bound is that of a jump (an element that flips), not of a wave.
         good = attempt == kMostRetries || admits(end, report, dt);
       }

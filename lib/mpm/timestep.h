@@ -8,15 +8,6 @@
 
 namespace physmas::mpm {
 
-// What bounds the step of one state.
-struct StepBounds {
-  double wave = 0;      // s: largest stable step, min over particles of dx √(ρ/a), a from stiffness.h
-  double speed = 0;     // m/s: fastest particle
-  double gradient = 0;  // 1/s: largest Frobenius norm of a velocity gradient
-};
-// O(N), over the setup's team; independent of the number of threads.
-StepBounds measure_bounds(const StepperSetup& setup, const State& state);
-
 // The step chosen for a state: the smallest of `largest`, 0.7 of the wave bound, the time in which the fastest particle
 // crosses a fifth of a cell under gravity, and the time in which a velocity gradient strains by 0.3.
 double choose_step(const StepBounds& bounds, const Domain& domain, double largest);

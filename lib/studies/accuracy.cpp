@@ -37,7 +37,7 @@ Trace trace(const mpm::Problem& problem, const AccuracySetting& setting, double 
   setting.step.apply(p, timing);
   mpm::Options options;
   options.precision = setting.precision;
-  options.threads = setting.threads;
+  options.device = setting.device;
   Trace t;
   t.result = mpm::run(p, timing, options, [&](const mpm::Frame& frame) {
     std::vector<mpm::Vec3d> x(frame.state.size() / children, {0, 0, 0});
@@ -120,10 +120,12 @@ AccuracyStep paper_step(std::function<double(const std::vector<mpm::Material>&)>
 }
 
 std::string AccuracySetting::id() const {
-  return fmt::format("n{}/{}/{}/{}", n, step.name, precision == mpm::Precision::full ? "double" : "float", threads);
+  return fmt::format("n{}/{}/{}/{}", n, step.name, precision == mpm::Precision::full ? "double" : "float",
+                     device.threads);
 }
 
-AccuracyPlan accuracy_plan(bool quick, int threads, std::function<double(const std::vector<mpm::Material>&)> paper_dt) {
+AccuracyPlan accuracy_plan(bool quick, const Device& device,
+                           std::function<double(const std::vector<mpm::Material>&)> paper_dt) {
   AccuracyPlan plan;
   const std::vector<int> grids = quick ? std::vector<int>{16, 24} : std::vector<int>{16, 24, 32, 48};
   const std::vector<double> steps =
@@ -133,20 +135,20 @@ AccuracyPlan accuracy_plan(bool quick, int threads, std::function<double(const s
   plan.reference_dt = quick ? 2e-4 : 5e-5;
   plan.repeats = quick ? 1 : 3;
   for (const int n : grids) {
-    for (const double dt : steps) plan.settings.push_back({n, fixed_step(dt), mpm::Precision::single, threads});
-    plan.settings.push_back({n, paper_step(paper_dt), mpm::Precision::single, threads});
-    plan.settings.push_back({n, cfl_step(), mpm::Precision::single, threads});
-    plan.settings.push_back({n, fixed_step(2e-4), mpm::Precision::full, threads});
-    if (threads > 1) plan.settings.push_back({n, fixed_step(2e-4), mpm::Precision::single, 1});
+    for (const double dt : steps) plan.settings.push_back({n, fixed_step(dt), mpm::Precision::single, device});
+    plan.settings.push_back({n, paper_step(paper_dt), mpm::Precision::single, device});
+    plan.settings.push_back({n, cfl_step(), mpm::Precision::single, device});
+    plan.settings.push_back({n, fixed_step(2e-4), mpm::Precision::full, device});
+    if (device.threads > 1) plan.settings.push_back({n, fixed_step(2e-4), mpm::Precision::single, {device.kind, 1}});
   }
   return plan;
 }
 
-AccuracyStudy run_accuracy(const AccuracyCase& setup, const AccuracyPlan& plan, int threads,
+AccuracyStudy run_accuracy(const AccuracyCase& setup, const AccuracyPlan& plan, const Device& device,
                            const std::function<void()>& progress) {
   AccuracyStudy study;
   study.setup = setup;
-  const AccuracySetting finest{plan.reference_n, fixed_step(plan.reference_dt), mpm::Precision::full, threads};
+  const AccuracySetting finest{plan.reference_n, fixed_step(plan.reference_dt), mpm::Precision::full, device};
   const mpm::Problem fine = subdivide(setup.problem, plan.spacing);
   Trace reference = trace(fine, finest, plan.frame_dt, setup.duration, 8);
   progress();

@@ -24,7 +24,7 @@ struct AccuracySetting {
   int n = 0;  // cells per axis
   AccuracyStep step;
   mpm::Precision precision = mpm::Precision::single;
-  int threads = 1;
+  Device device;
   std::string id() const;  // n32/2e-4/float/2
 };
 
@@ -37,8 +37,9 @@ struct AccuracyPlan {
   int repeats = 3;
 };
 // The study's settings: every grid with every fixed step in float, and on every grid double precision, one thread and
-// the rules. threads: of the runs that are not about threads, and of the references.
-AccuracyPlan accuracy_plan(bool quick, int threads, std::function<double(const std::vector<mpm::Material>&)> paper_dt);
+// the rules. device: of the runs that are not about threads, and of the references; its threads are given.
+AccuracyPlan accuracy_plan(bool quick, const Device& device,
+                           std::function<double(const std::vector<mpm::Material>&)> paper_dt);
 
 // Errors against the reference, over all output frames. -1: could not be measured.
 constexpr int kAccuracyMetrics = 5;
@@ -71,7 +72,7 @@ struct AccuracyStudy {
 };
 
 // Runs one case; progress is called after every run.
-AccuracyStudy run_accuracy(const AccuracyCase& setup, const AccuracyPlan& plan, int threads,
+AccuracyStudy run_accuracy(const AccuracyCase& setup, const AccuracyPlan& plan, const Device& device,
                            const std::function<void()>& progress);
 
 // Marks the results of a study that are Pareto-optimal in (median_seconds, error), per metric.

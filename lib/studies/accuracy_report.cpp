@@ -45,7 +45,7 @@ Json study_json(const AccuracyStudy& study) {
     entry["n"] = r.setting.n;
     entry["step"] = r.setting.step.name;
     entry["precision"] = precision_name(r.setting);
-    entry["threads"] = r.setting.threads;
+    entry["threads"] = r.setting.device.threads;
     entry["status"] = r.stable ? "stable" : "diverged";
     entry["reason"] = r.reason;
     entry["steps"] = r.steps;
@@ -82,8 +82,8 @@ std::string csv(const std::vector<AccuracyStudy>& studies) {
   for (const AccuracyStudy& study : studies) {
     for (const AccuracyResult& r : study.results) {
       text += fmt::format("{},{},{},{},{},{},{},{:.6g}", study.setup.name, r.setting.n, r.setting.step.name,
-                          precision_name(r.setting), r.setting.threads, r.stable ? "stable" : "diverged", r.steps,
-                          r.median_seconds);
+                          precision_name(r.setting), r.setting.device.threads, r.stable ? "stable" : "diverged",
+                          r.steps, r.median_seconds);
       for (int m = 0; m < kAccuracyMetrics; ++m)
         text += r.error[m] >= 0 ? fmt::format(",{:.6g},{}", r.error[m], r.pareto[m] ? 1 : 0) : ",,";
       text += "\n";

@@ -21,9 +21,10 @@ struct AccuracyOptions {
   bool quick = false;
 };
 
-int accuracy(const AccuracyOptions& options, const PaperStep& paper_step, int threads) {
+int accuracy(const AccuracyOptions& options, const PaperStep& paper_step, Device device) {
+  int& threads = device.threads;
   if (threads <= 0) threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const AccuracyPlan plan = accuracy_plan(options.quick, threads, paper_step);
+  const AccuracyPlan plan = accuracy_plan(options.quick, device, paper_step);
   std::vector<AccuracyCase> cases;
   std::string known;
   for (AccuracyCase& c : accuracy_cases(plan.spacing)) {
@@ -36,7 +37,7 @@ int accuracy(const AccuracyOptions& options, const PaperStep& paper_step, int th
   long done = 0;
   std::vector<AccuracyStudy> studies;
   for (const AccuracyCase& c : cases)
-    studies.push_back(run_accuracy(c, plan, threads, [&] { progress.update(++done); }));
+    studies.push_back(run_accuracy(c, plan, device, [&] { progress.update(++done); }));
   Provenance provenance;
   provenance.tool = "pm-eval";
   provenance.options = {
@@ -55,8 +56,8 @@ struct VerificationOptions {
   bool quick = false;
 };
 
-int verification(const VerificationOptions& options) {
-  const std::vector<VerificationRow> rows = verify(options.quick);
+int verification(const VerificationOptions& options, const Device& device) {
+  const std::vector<VerificationRow> rows = verify(options.quick, device);
   Json json;
   json["rows"] = Json::array();
   for (const VerificationRow& r : rows) {
@@ -81,12 +82,12 @@ struct StabilityOptions {
   bool quick = false;
 };
 
-int stability(const StabilityOptions& options, const PaperStep& paper_step, int threads) {
+int stability(const StabilityOptions& options, const PaperStep& paper_step, const Device& device) {
   const Stopwatch watch;
   const std::vector<StabilityCase> cases = stability_cases(options.quick);
   Progress bar("case", static_cast<long>(cases.size()));
   std::mutex one_at_a_time;
-  const std::vector<StabilityRun> runs = run_stability(cases, paper_step, threads, [&](long done, long) {
+  const std::vector<StabilityRun> runs = run_stability(cases, paper_step, device, [&](long done, long) {
     const std::lock_guard<std::mutex> lock(one_at_a_time);
     bar.update(done);
   });
@@ -116,7 +117,7 @@ Subcommand add_accuracy_command(CLI::App& app, const PaperStep& paper_step) {
   command->add_option("--out", options->out, "Folder for accuracy.json, accuracy.csv and the plots")->required();
   command->add_option("--case", options->only, "Only this case");
   command->add_flag("--quick", options->quick, "Coarse grids, few steps, one repeat: a few seconds");
-  return {command, [=](const CommonOptions& common) { return accuracy(*options, paper_step, common.threads); }};
+  return {command, [=](const CommonOptions& common) { return accuracy(*options, paper_step, common.device); }};
 }
 
 Subcommand add_verification_command(CLI::App& app) {
@@ -125,7 +126,7 @@ Subcommand add_verification_command(CLI::App& app) {
       "verification", "The solver against analytic answers under refinement: a table, and the same as a record");
   command->add_option("--out", options->out, "Record to write (JSON)")->required();
   command->add_flag("--quick", options->quick, "Only the coarsest resolutions");
-  return {command, [options](const CommonOptions&) { return verification(*options); }};
+  return {command, [options](const CommonOptions& common) { return verification(*options, common.device); }};
 }
 
 Subcommand add_stability_command(CLI::App& app, const PaperStep& paper_step) {
@@ -134,7 +135,7 @@ Subcommand add_stability_command(CLI::App& app, const PaperStep& paper_step) {
       app.add_subcommand("stability", "Sweep the solver over stiff and extreme input with both step rules");
   command->add_option("--out", options->out, "Folder for stability.json, stability.csv and heat maps")->required();
   command->add_flag("--quick", options->quick, "Some dozens of cases instead of all");
-  return {command, [=](const CommonOptions& common) { return stability(*options, paper_step, common.threads); }};
+  return {command, [=](const CommonOptions& common) { return stability(*options, paper_step, common.device); }};
 }
 
 }  // namespace physmas::studies

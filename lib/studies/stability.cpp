@@ -67,10 +67,11 @@ struct Judge {
   }
 };
 
-mpm::Result run_judged(const StabilityCase& c, const mpm::Timing& timing, mpm::Precision precision, Judge& judge) {
+mpm::Result run_judged(const StabilityCase& c, const mpm::Timing& timing, mpm::Precision precision,
+                       const Device& device, Judge& judge) {
   mpm::Options options;
   options.precision = precision;
-  options.threads = 1;
+  options.device = device;
   const mpm::Result result = mpm::run(c.problem, timing, options, [&](const mpm::Frame& frame) { judge.look(frame); });
   for (const mpm::Balance& b : result.balances) judge.weigh(b);
   return result;
@@ -90,13 +91,14 @@ mpm::Timing make_timing(const StabilityCase& c, bool cfl, double paper_dt) {
 }
 
 // How many substeps the solver took to see what a look at the total energy after every substep sees.
-long long detection_delay(const StabilityCase& c, mpm::Timing timing, mpm::Precision precision, long long found) {
+long long detection_delay(const StabilityCase& c, mpm::Timing timing, mpm::Precision precision, const Device& device,
+                          long long found) {
   timing.frame_dt /= timing.substeps;
   timing.substeps = 1;
   timing.frames = static_cast<int>(std::min(found + 2, 20000LL));
   mpm::Options options;
   options.precision = precision;
-  options.threads = 1;
+  options.device = device;
   const mpm::Result result = mpm::run(c.problem, timing, options, [](const mpm::Frame&) {});
   Judge judge(c.problem);
   long long first = result.status == mpm::Status::diverged ? std::min(result.first_bad_step, found) : found;
@@ -123,18 +125,18 @@ double distance(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
   return a.empty() ? 0 : std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-StabilityRun run_case(const StabilityCase& c, bool cfl, mpm::Precision precision, double paper_dt,
+StabilityRun run_case(const StabilityCase& c, bool cfl, mpm::Precision precision, const Device& device, double paper_dt,
                       Reference& reference) {
   const mpm::Timing timing = make_timing(c, cfl, paper_dt);
   Judge judge(c.problem);
-  const mpm::Result result = run_judged(c, timing, precision, judge);
+  const mpm::Result result = run_judged(c, timing, precision, device, judge);
   StabilityRun run;
   run.study = c.study;
   run.name = c.name;
   run.rule = cfl ? "cfl" : "paper";
   run.precision = precision == mpm::Precision::full ? "double" : "float";
   const mpm::Material& m = c.problem.materials[0];
-  run.branch = branch_name(m.branch);
+  run.branch = mpm::branch_name(m.branch);
   run.E = m.E, run.nu = m.nu, run.rho = m.rho;
   run.stable = result.status == mpm::Status::stable;
   run.reason = result.reason;
@@ -153,8 +155,8 @@ StabilityRun run_case(const StabilityCase& c, bool cfl, mpm::Precision precision
   run.outside = result.particles_outside;
   if (!run.stable) {
     // Under a stress cone the surplus never shows: everything since the start is late.
-    run.late =
-        run.reason == "step" ? run.first_bad_step + 1 : detection_delay(c, timing, precision, run.first_bad_step);
+    run.late = run.reason == "step" ? run.first_bad_step + 1
+                                    : detection_delay(c, timing, precision, device, run.first_bad_step);
     return run;
   }
   const double duration = timing.frame_dt * (timing.frames - 1);
@@ -165,7 +167,7 @@ StabilityRun run_case(const StabilityCase& c, bool cfl, mpm::Precision precision
     mpm::Timing same = make_timing(c, true, paper_dt);
     same.frame_dt = timing.frame_dt;
     same.substeps = std::max(1, static_cast<int>(std::ceil(same.frame_dt / kLargestStep * (1 - 1e-9))));
-    run_judged(c, same, mpm::Precision::full, other);
+    run_judged(c, same, mpm::Precision::full, device, other);
     reference = {duration, other.x};
   }
   run.apart = distance(judge.x, reference.x) / c.problem.domain.dx();
@@ -186,13 +188,13 @@ StabilityRun run_case(const StabilityCase& c, bool cfl, mpm::Precision precision
 }  // namespace
 
 std::vector<StabilityRun> run_stability(const std::vector<StabilityCase>& cases, const PaperStep& paper_step,
-                                        int threads, const std::function<void(long, long)>& progress) {
+                                        const Device& device, const std::function<void(long, long)>& progress) {
   constexpr int kRunsPerCase = 4;
   const int count = static_cast<int>(cases.size());
   std::vector<StabilityRun> runs(static_cast<size_t>(kRunsPerCase) * count);
   std::vector<std::exception_ptr> failures(count);
   std::atomic<long> done{0};
-  Team team(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  Team team(device.threads > 0 ? device.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   team.for_each(count, [&](int i) {
     try {
       const double paper_dt = paper_step(cases[i].problem.materials);
@@ -200,7 +202,7 @@ std::vector<StabilityRun> run_stability(const std::vector<StabilityCase>& cases,
       int k = kRunsPerCase * i;
       for (const bool cfl : {true, false})
         for (const mpm::Precision precision : {mpm::Precision::full, mpm::Precision::single})
-          runs[k++] = run_case(cases[i], cfl, precision, paper_dt, reference);
+          runs[k++] = run_case(cases[i], cfl, precision, {device.kind, 1}, paper_dt, reference);
     } catch (...) {
       failures[i] = std::current_exception();
     }

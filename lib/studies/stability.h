@@ -36,10 +36,10 @@ struct StabilityRun {
   std::string garbage;    // what an outside look finds wrong with a run that calls itself stable; empty: nothing
 };
 
-// Runs every case with both rules in both precisions, `threads` at a time (0: all cores). progress(done, total) is
-// called now and then, by any thread. The result does not depend on the threads.
+// Runs every case with both rules in both precisions, as many at a time as the device has threads. progress(done,
+// total) is called now and then, by any thread. The result does not depend on the threads.
 std::vector<StabilityRun> run_stability(const std::vector<StabilityCase>& cases, const PaperStep& paper_step,
-                                        int threads, const std::function<void(long, long)>& progress);
+                                        const Device& device, const std::function<void(long, long)>& progress);
 
 }  // namespace physmas::studies
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/device.h"
+
 namespace physmas::studies {
 
 // One measured quantity at one resolution.
@@ -20,7 +22,7 @@ struct VerificationRow {
 };
 
 // Runs every case; about a minute on two cores, or, `quick`, the coarsest resolutions in a few seconds.
-std::vector<VerificationRow> verify(bool quick);
+std::vector<VerificationRow> verify(bool quick, const Device& device);
 
 // A table for people.
 std::string verification_table(const std::vector<VerificationRow>& rows);

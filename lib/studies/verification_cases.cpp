@@ -34,14 +34,15 @@ Collider floor_plane(double height, Collider::Mode mode, double friction) {
 }
 
 // Runs `frames` intervals of frame_dt with substeps of about dt.
-mpm::Result simulate(const Problem& p, int frames, double frame_dt, double dt, const mpm::FrameCallback& look,
-                     bool measure_steps = false) {
+mpm::Result simulate(const Problem& p, const Device& device, int frames, double frame_dt, double dt,
+                     const mpm::FrameCallback& look, bool measure_steps = false) {
   mpm::Timing timing;
   timing.frames = frames + 1;
   timing.frame_dt = frame_dt;
   timing.substeps = std::max(1, static_cast<int>(std::lround(frame_dt / dt)));
   mpm::Options options;
   options.precision = mpm::Precision::full;
+  options.device = device;
   options.measure_energy = false;
   options.measure_steps = measure_steps;
   mpm::Result result = mpm::run(p, timing, options, look);
@@ -81,11 +82,11 @@ void seed(Problem& p, const Vec3d& low, const Vec3d& high, double h, int row,
   }
 }
 
-double free_fall_error(double dt) {
-  Problem p = empty_scene({Branch::jelly, 1e4, 0.3, 1000}, 32, {0, 0, -kGravity});
+double free_fall_error(double dt, const Device& device) {
+  Problem p = empty_scene({mpm::Branch::jelly, 1e4, 0.3, 1000}, 32, {0, 0, -kGravity});
   seed(p, {0.9, 0.9, 1.2}, {1.1, 1.1, 1.4}, p.domain.dx() / 2, 0);
   double error = 0;
-  simulate(p, 1, 0.2, dt, [&](const mpm::Frame& f) {
+  simulate(p, device, 1, 0.2, dt, [&](const mpm::Frame& f) {
     for (size_t i = 0; i < f.state.size(); ++i) {
       const Vec3d& start = p.particles.position[i];
       const Vec3d expected = {start.x, start.y, start.z - 0.5 * kGravity * f.time * f.time};
@@ -95,8 +96,8 @@ double free_fall_error(double dt) {
   return error;
 }
 
-Rotation rigid_rotation(int n, double dt) {
-  Problem p = empty_scene({Branch::jelly, 1e7, 0.3, 1000}, n, {0, 0, 0});
+Rotation rigid_rotation(int n, double dt, const Device& device) {
+  Problem p = empty_scene({mpm::Branch::jelly, 1e7, 0.3, 1000}, n, {0, 0, 0});
   seed(p, {0.8, 0.8, 0.8}, {1.2, 1.2, 1.2}, p.domain.dx() / 2, 0);
   const size_t count = p.particles.size();
   const Vec3d center = mean(p.particles.position, 0, count);
@@ -105,7 +106,7 @@ Rotation rigid_rotation(int n, double dt) {
     p.particles.velocity[i] = 2 * kPi * cross(axis, p.particles.position[i] - center);
   }
   State last;
-  const mpm::Result result = simulate(p, 1, 1.0, dt, [&](const mpm::Frame& f) { last = f.state; });
+  const mpm::Result result = simulate(p, device, 1, 1.0, dt, [&](const mpm::Frame& f) { last = f.state; });
   const auto& balances = result.balances;
   Rotation r;
   const Vec3d start = balances.front().angular_momentum;
@@ -131,9 +132,9 @@ Rotation rigid_rotation(int n, double dt) {
   return r;
 }
 
-double bar_frequency(int n, double dt) {
+double bar_frequency(int n, double dt, const Device& device) {
   const double E = 1e5, rho = 1000, length = 1, c = std::sqrt(E / rho), period = 2 * length / c;
-  Problem p = empty_scene({Branch::metal, E, 0, rho}, n, {0, 0, 0});
+  Problem p = empty_scene({mpm::Branch::metal, E, 0, rho}, n, {0, 0, 0});
   const double dx = p.domain.dx();
   seed(p, {0.5, 1, 1}, {1.5, 1 + 2 * dx, 1 + 2 * dx}, dx / 2, 0);
   std::vector<double> shape;
@@ -144,7 +145,7 @@ double bar_frequency(int n, double dt) {
   constexpr int kFramesPerPeriod = 100;
   std::vector<double> crossings;
   double before = 0;
-  simulate(p, kFramesPerPeriod, period / kFramesPerPeriod, dt, [&](const mpm::Frame& f) {
+  simulate(p, device, kFramesPerPeriod, period / kFramesPerPeriod, dt, [&](const mpm::Frame& f) {
     double modal = 0;
     for (size_t i = 0; i < shape.size(); ++i) modal += shape[i] * f.state.v[i].x;
     if (f.index > 0 && (modal < 0) != (before < 0)) {
@@ -157,15 +158,15 @@ double bar_frequency(int n, double dt) {
   return 0.5 * half_periods / (crossings.back() - crossings.front()) * period;
 }
 
-double column_error(int n, double dt) {
+double column_error(int n, double dt, const Device& device) {
   const double E = 1e7, rho = 1000, height = 0.8, c = std::sqrt(E / rho), period = 4 * height / c;
-  Problem p = empty_scene({Branch::metal, E, 0, rho}, n, {0, 0, -kGravity});
+  Problem p = empty_scene({mpm::Branch::metal, E, 0, rho}, n, {0, 0, -kGravity});
   const double dx = p.domain.dx(), ground = 0.5;
   seed(p, {1, 1, ground}, {1 + 2 * dx, 1 + 2 * dx, ground + height}, dx / 2, 0);
   p.domain.colliders.push_back(floor_plane(ground, Collider::Mode::slip, 0));
   constexpr int kFrames = 80;
   std::vector<double> displacement(p.particles.size(), 0);
-  simulate(p, kFrames, period / kFrames, dt, [&](const mpm::Frame& f) {
+  simulate(p, device, kFrames, period / kFrames, dt, [&](const mpm::Frame& f) {
     const double weight = (f.index == 0 || f.index == kFrames ? 0.5 : 1.0) / kFrames;
     for (size_t i = 0; i < displacement.size(); ++i) {
       displacement[i] += weight * (f.state.x[i].z - p.particles.position[i].z);
@@ -179,8 +180,8 @@ double column_error(int n, double dt) {
   return error / (rho * kGravity / E * 0.5 * height * height);
 }
 
-Collision ball_collision(int n, double dt) {
-  Problem p = empty_scene({Branch::jelly, 1e5, 0.3, 1000}, n, {0, 0, 0});
+Collision ball_collision(int n, double dt, const Device& device) {
+  Problem p = empty_scene({mpm::Branch::jelly, 1e5, 0.3, 1000}, n, {0, 0, 0});
   const double radius = 0.2, gap = 0.3, speed = 0.5;
   size_t first = 0;
   for (const double side : {-1.0, 1.0}) {
@@ -193,7 +194,7 @@ Collision ball_collision(int n, double dt) {
   const size_t count = p.particles.size();
   for (size_t i = 0; i < count; ++i) p.particles.velocity[i].x = i < first ? speed : -speed;
   Vec3d left{}, right{};
-  const mpm::Result result = simulate(p, 4, 0.2, dt, [&](const mpm::Frame& f) {
+  const mpm::Result result = simulate(p, device, 4, 0.2, dt, [&](const mpm::Frame& f) {
     left = mean(f.state.v, 0, first);
     right = mean(f.state.v, first, count);
   });
@@ -204,18 +205,19 @@ Collision ball_collision(int n, double dt) {
   return c;
 }
 
-double incline_acceleration(int n, double dt, double friction, double angle) {
+double incline_acceleration(int n, double dt, double friction, double angle, const Device& device) {
   const double a = angle * kPi / 180;
-  Problem p = empty_scene({Branch::jelly, 2e5, 0.3, 1000}, n, {kGravity * std::sin(a), 0, -kGravity * std::cos(a)});
+  Problem p =
+      empty_scene({mpm::Branch::jelly, 2e5, 0.3, 1000}, n, {kGravity * std::sin(a), 0, -kGravity * std::cos(a)});
   seed(p, {0.5, 0.8, 0.4}, {0.9, 1.2, 0.5}, p.domain.dx() / 2, 0);
   p.domain.colliders.push_back(floor_plane(0.4, Collider::Mode::separate, friction));
-  const mpm::Result r = simulate(p, 7, 0.04, dt, [](const mpm::Frame&) {});
+  const mpm::Result r = simulate(p, device, 7, 0.04, dt, [](const mpm::Frame&) {});
   const double gain = r.balances[7].momentum.x - r.balances[3].momentum.x;
   return gain / (r.balances[0].mass * 0.16 * kGravity);
 }
 
-double sand_run_out(int n, double dt, double aspect, double alpha) {
-  Problem p = empty_scene({Branch::sand, 1e6, 0.3, 1600}, n, {0, 0, -kGravity});
+double sand_run_out(int n, double dt, double aspect, double alpha, const Device& device) {
+  Problem p = empty_scene({mpm::Branch::sand, 1e6, 0.3, 1600}, n, {0, 0, -kGravity});
   p.constants.drucker_prager_alpha = alpha;
   const double radius = 0.4, ground = 0.25;
   const auto reach_of = [&](const Vec3d& x) { return std::hypot(x.x - ground, x.y - ground); };
@@ -229,7 +231,7 @@ double sand_run_out(int n, double dt, double aspect, double alpha) {
   }
   p.domain.colliders.push_back(floor_plane(ground, Collider::Mode::separate, 0.6));
   std::vector<double> reach;
-  simulate(p, 1, 1.2, dt, [&](const mpm::Frame& f) {
+  simulate(p, device, 1, 1.2, dt, [&](const mpm::Frame& f) {
     reach.clear();
     for (const Vec3d& x : f.state.x) reach.push_back(reach_of(x));
   });
@@ -241,8 +243,8 @@ double lube_run_out(double aspect) {
   return aspect < 1.7 ? 1.24 * aspect : 1.6 * std::sqrt(aspect);
 }
 
-double energy_residual_of_throw(Branch branch, double dt) {
-  Problem p = empty_scene({branch, branch == Branch::metal ? 2e5 : 5e4, 0.3, 1000}, 32, {0, 0, -kGravity});
+double energy_residual_of_throw(mpm::Branch branch, double dt, const Device& device) {
+  Problem p = empty_scene({branch, branch == mpm::Branch::metal ? 2e5 : 5e4, 0.3, 1000}, 32, {0, 0, -kGravity});
   seed(p, {0.8, 0.8, 0.32}, {1.1, 1.1, 0.62}, p.domain.dx() / 2, 0);
   for (size_t i = 0; i < p.particles.size(); ++i) {
     const Vec3d q = p.particles.position[i] - Vec3d{0.95, 0.95, 0.47};
@@ -250,7 +252,7 @@ double energy_residual_of_throw(Branch branch, double dt) {
   }
   p.domain.colliders.push_back(floor_plane(0.25, Collider::Mode::separate, 0.4));
   const mpm::Result r = simulate(
-      p, 3, 0.04, dt, [](const mpm::Frame&) {}, true);
+      p, device, 3, 0.04, dt, [](const mpm::Frame&) {}, true);
   return std::fabs(r.balances.back().budget.residual()) / r.balances.front().kinetic;
 }
 

@@ -119,7 +119,7 @@ void report(const BenchCase& bench, int count, Precision precision, int threads,
   timing.frame_dt = steps * 2e-4;
   Options options;
   options.precision = precision;
-  options.threads = threads;
+  options.device.threads = threads;
   options.measure_energy = false;
   // Processor time from the first output frame on: what a busy machine distorts least with one thread.
   std::clock_t begin = 0, end = 0;

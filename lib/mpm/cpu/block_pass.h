@@ -6,8 +6,8 @@
 
 #include "mpm/action/apply_control.h"
 #include "mpm/cpu/grid.h"
+#include "mpm/cpu/measure_energy.h"
 #include "mpm/cpu/particle_store.h"
-#include "mpm/energy_budget.h"
 #include "mpm/material/constitutive.h"
 
 namespace physmas::mpm {

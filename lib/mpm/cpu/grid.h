@@ -8,21 +8,22 @@
 #include <cstring>
 #include <vector>
 
+#include "base/team.h"
 #include "mpm/action/collider.h"
 #include "mpm/cpu/blocks.h"
 #include "mpm/cpu/buffer.h"
 #include "mpm/cpu/grid_layout.h"
 #include "mpm/energy_budget.h"
-#include "mpm/stepper.h"
+#include "mpm/stepper_setup.h"
 
 namespace physmas::mpm {
 
 template <class T>
 class Grid {
  public:
-  // setup and map outlive the grid.
-  Grid(const StepperSetup& setup, const BlockMap& map)
-      : layout(setup.domain.n + 1), setup_(setup), map_(map), dx_(setup.domain.dx()) {
+  // All of them outlive the grid.
+  Grid(const StepperSetup& setup, Team& team, const BlockMap& map)
+      : layout(setup.domain.n + 1), setup_(setup), team_(team), map_(map), dx_(setup.domain.dx()) {
     velocity_.resize(layout.numbers() + kApart);
     momentum_.resize(layout.numbers());
     if (setup.measure_steps) force_free_.resize(layout.numbers());
@@ -74,6 +75,7 @@ class Grid {
   static constexpr int kChunk = 8;  // blocks that a thread takes at once: one alone is less than a microsecond
 
   const StepperSetup& setup_;
+  Team& team_;
   const BlockMap& map_;
   double dx_;
   Buffer<T> velocity_, momentum_, force_free_;
@@ -91,8 +93,8 @@ void Grid<T>::prepare() {
   for (size_t b = 0; b < obstacle_.size(); ++b) obstacle_[b] = near_obstacle(map_.grid_blocks[b]);
   const int chunks = (static_cast<int>(map_.grid_blocks.size()) + kChunk - 1) / kChunk;
   // Where one thread has all particles, waking another takes longer than the grid.
-  chunk_bounds_ = Team::even_ranges(chunks, map_.shared() ? setup_.team->threads() : 1);
-  chunk_bounds_.resize(setup_.team->threads() + 1, chunks);
+  chunk_bounds_ = Team::even_ranges(chunks, map_.shared() ? team_.threads() : 1);
+  chunk_bounds_.resize(team_.threads() + 1, chunks);
 }
 
 template <class T>
@@ -202,7 +204,7 @@ double Grid<T>::update_block(int index, double dt) {
 template <class T>
 double Grid<T>::update(double dt, GridEnergy& energy) {
   const int count = static_cast<int>(map_.grid_blocks.size());
-  setup_.team->for_each(chunk_bounds_, [&](int chunk) {
+  team_.for_each(chunk_bounds_, [&](int chunk) {
     for (int b = chunk * kChunk; b < std::min(count, (chunk + 1) * kChunk); ++b) {
       speed_[b] = setup_.measure_steps ? update_block<true>(b, dt) : update_block<false>(b, dt);
     }

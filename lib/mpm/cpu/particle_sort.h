@@ -18,7 +18,7 @@ void ParticleStore<T>::sort() {
   // Particles drift by less than a cell between sorts, so each goes to one of 27 blocks.
   departures_.resize(slots_);
   std::vector<std::array<int, 27>> leaving(blocks);
-  setup_.team->for_each(blocks, [&](int b) {
+  team_.for_each(blocks, [&](int b) {
     leaving[b] = {};
     for (int group = old[b].begin / W; group < (old[b].begin + old[b].slots) / W; ++group) {
       using V = Lanes<T>;
@@ -72,7 +72,7 @@ void ParticleStore<T>::sort() {
     }
   }
   arrivals_.resize(setup_.row.size());
-  setup_.team->for_each(blocks, [&](int b) {
+  team_.for_each(blocks, [&](int b) {
     for (int s = old[b].begin; s < old[b].begin + old[b].slots; ++s) {
       if (particle[s] < 0) continue;
       const Departure& d = departures_[s];
@@ -86,7 +86,7 @@ void ParticleStore<T>::sort() {
   other_.resize(static_cast<size_t>(slots_) * channels_);
   const int now = static_cast<int>(map.particle_blocks.size());
   const size_t step = static_cast<size_t>(channels_) * W;
-  setup_.team->for_each(now, [&](int b) {
+  team_.for_each(now, [&](int b) {
     for_each_register(b, [&](int group, const Arrival* const* from) {
       // What comes there was not far away before.
       prefetch(group + kPrefetchSort);

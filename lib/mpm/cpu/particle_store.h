@@ -14,10 +14,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/team.h"
 #include "mpm/cpu/block_layout.h"
 #include "mpm/cpu/buffer.h"
 #include "mpm/cpu/grid_exchange.h"
-#include "mpm/stepper.h"
+#include "mpm/state.h"
+#include "mpm/stepper_setup.h"
 
 namespace physmas::mpm {
 
@@ -26,8 +28,8 @@ class ParticleStore {
  public:
   static constexpr int W = kLanes<T>;
 
-  // Particles stay `safe_cells` away from the edge of the grid. setup outlives the store.
-  ParticleStore(const StepperSetup& setup, double safe_cells);
+  // Particles stay `safe_cells` away from the edge of the grid. setup and team outlive the store.
+  ParticleStore(const StepperSetup& setup, Team& team, double safe_cells);
 
   // Takes over a state, in a new order; returns how many positions had to be put on the edge of the safe interior.
   long long load(const State& state);
@@ -111,6 +113,7 @@ class ParticleStore {
   static constexpr int kPrefetchSort = 32;  // registers
 
   const StepperSetup& setup_;
+  Team& team_;
   double dx_, safe_cells_;
   int slots_ = 0;
   bool has_controls_ = false;
@@ -129,8 +132,8 @@ class ParticleStore {
 };
 
 template <class T>
-ParticleStore<T>::ParticleStore(const StepperSetup& setup, double safe_cells)
-    : map(setup.domain.n + 1), setup_(setup), dx_(setup.domain.dx()), safe_cells_(safe_cells) {
+ParticleStore<T>::ParticleStore(const StepperSetup& setup, Team& team, double safe_cells)
+    : map(setup.domain.n + 1), setup_(setup), team_(team), dx_(setup.domain.dx()), safe_cells_(safe_cells) {
   for (const int row : setup.row) has_strength = has_strength || setup.branches[row] == Branch::plasticine;
   for (const std::uint16_t group : setup.control_group) has_controls_ = has_controls_ || group != 0;
   for_each_channel([&](Channel&, T empty) {
@@ -176,7 +179,7 @@ long long ParticleStore<T>::load(const State& state) {
   other_.resize(static_cast<size_t>(slots_) * channels_);
   bind();
   particle.resize(slots_);
-  setup_.team->for_each(static_cast<int>(map.particle_blocks.size()), [&](int b) {
+  team_.for_each(static_cast<int>(map.particle_blocks.size()), [&](int b) {
     const ParticleBlock& block = map.particle_blocks[b];
     for_each_register(b, [&](int group, const Arrival* const* from) {
       for (int l = 0; l < W; ++l) {
@@ -203,7 +206,7 @@ long long ParticleStore<T>::load(const State& state) {
 
 template <class T>
 void ParticleStore<T>::store(State& state) const {
-  setup_.team->for_each(static_cast<int>(map.particle_blocks.size()), [&](int b) {
+  team_.for_each(static_cast<int>(map.particle_blocks.size()), [&](int b) {
     const ParticleBlock& block = map.particle_blocks[b];
     for (int s = block.begin; s < block.begin + block.slots; ++s) {
       const int i = particle[s];
@@ -227,7 +230,7 @@ template <class T>
 void ParticleStore<T>::place() {
   const int blocks = static_cast<int>(map.particle_blocks.size());
   if (blocks > static_cast<int>(layouts_.size())) layouts_.resize(blocks);
-  setup_.team->for_each(blocks, [&](int b) {
+  team_.for_each(blocks, [&](int b) {
     ParticleBlock& block = map.particle_blocks[b];
     layouts_[b].lay_out(arrivals_.data() + block.first, block);
   });
@@ -241,7 +244,7 @@ void ParticleStore<T>::place() {
     Register* at = &registers[map.particle_blocks[b].begin / W];
     for (const int column : layouts_[b].column) (at++)->column = static_cast<std::int8_t>(column);
   }
-  map.connect(setup_.team->threads());
+  map.connect(team_.threads());
 }
 
 template <class T>

@@ -13,7 +13,7 @@ TEST_CASE("bind: rows get their own material, whatever the candidate's order") {
       bind::bind_materials(bind_test::candidate(), bind_test::state(), "c.json");
   REQUIRE(materials.size() == 4);  // one per row of the state, used or not
   const mpm::Material expected[] = {
-      {Branch::metal, 1e7, 0.1, 1100}, {Branch::foam, 2e4, 0.2, 1200}, {Branch::sand, 3e5, 0.3, 1300}};
+      {mpm::Branch::metal, 1e7, 0.1, 1100}, {mpm::Branch::foam, 2e4, 0.2, 1200}, {mpm::Branch::sand, 3e5, 0.3, 1300}};
   for (int r = 0; r < 3; ++r) {
     CHECK(materials[r].branch == expected[r].branch);
     CHECK(materials[r].E == expected[r].E);

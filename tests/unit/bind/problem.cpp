@@ -33,7 +33,7 @@ TEST_CASE("bind: a problem has all its parts, and the solver takes it") {
   candidate.schedule = {push};
   const mpm::Problem problem = bind::bind_problem(candidate, bind_test::state(), run, {"s.h5", "c.json"});
   CHECK(problem.domain.n == 32);
-  CHECK(problem.materials[2].branch == Branch::sand);
+  CHECK(problem.materials[2].branch == mpm::Branch::sand);
   CHECK(problem.constants.foam_yield == 77);
   CHECK(problem.particles.size() == 3);
   CHECK(problem.schedule.actions.size() == 1);

@@ -42,7 +42,7 @@ inline Problem scene(const Material& material, int n = 32, const Vec3d& gravity 
 inline Options options(Precision precision = Precision::full, int threads = 2) {
   Options o;
   o.precision = precision;
-  o.threads = threads;
+  o.device.threads = threads;
   return o;
 }
 

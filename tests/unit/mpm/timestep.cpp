@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "base/error.h"
+#include "mpm/cpu/state_summary.h"
 #include "mpm/material/stiffness.h"
 #include "unit/mpm/scenes.h"
 
@@ -146,7 +147,6 @@ TEST_CASE("mpm timestep: the step is below every limit and shrinks with compress
     setup.branches = {branch};
     setup.parameters = {parameters(branch)};
     setup.row = {0};
-    setup.team = &team;
     State state;
     state.x = {{1, 1, 1}};
     state.v = {{0, 0, 0}};
@@ -154,21 +154,21 @@ TEST_CASE("mpm timestep: the step is below every limit and shrinks with compress
     state.C = {diagonal(0.0, 0.0, 0.0)};
     state.strength = {1e3};
     const double dx = setup.domain.dx();
-    const StepBounds rest = measure_bounds(setup, state);
+    const StepBounds rest = measure_bounds(setup, state, team);
     CHECK(rest.wave <= rest_limit(setup.parameters[0], dx));
     const double dt = choose_step(rest, setup.domain, 1);
     CHECK(dt < rest.wave);
     CHECK(choose_step(rest, setup.domain, 1e-9) == 1e-9);
     state.F[0] = diagonal(0.5, 0.5, 0.5);
-    const StepBounds compressed = measure_bounds(setup, state);
+    const StepBounds compressed = measure_bounds(setup, state, team);
     CHECK(compressed.wave < 0.75 * rest.wave);  // log 0.5: stress of 0.7 stiffnesses
     CHECK(choose_step(compressed, setup.domain, 1) < dt);
     state.F[0] = identity<double>();
     state.v[0] = {300, 0, 0};
-    CHECK(choose_step(measure_bounds(setup, state), setup.domain, 1) <= 0.2 * dx / 300 * (1 + 1e-12));
+    CHECK(choose_step(measure_bounds(setup, state, team), setup.domain, 1) <= 0.2 * dx / 300 * (1 + 1e-12));
     state.v[0] = {0, 0, 0};
     state.C[0] = diagonal(0.0, 1e4, 0.0);
-    CHECK(choose_step(measure_bounds(setup, state), setup.domain, 1) <= 0.3 / 1e4 * (1 + 1e-12));
+    CHECK(choose_step(measure_bounds(setup, state, team), setup.domain, 1) <= 0.3 / 1e4 * (1 + 1e-12));
   }
 }
 

@@ -69,13 +69,13 @@ TEST_CASE("accuracy: a run that is refined comes closer to its reference") {
   plan.reference_n = 32;
   plan.reference_dt = 2e-4;
   plan.repeats = 1;
-  plan.settings = {{12, fixed_step(4e-4), mpm::Precision::single, 1},
-                   {24, fixed_step(4e-4), mpm::Precision::single, 1},
-                   {24, fixed_step(4e-2), mpm::Precision::single, 1}};
+  plan.settings = {{12, fixed_step(4e-4), mpm::Precision::single, {Device::Kind::cpu, 1}},
+                   {24, fixed_step(4e-4), mpm::Precision::single, {Device::Kind::cpu, 1}},
+                   {24, fixed_step(4e-2), mpm::Precision::single, {Device::Kind::cpu, 1}}};
   AccuracyCase c = accuracy_cases(plan.spacing).front();
   c.duration = 0.24;
   int calls = 0;
-  const AccuracyStudy study = run_accuracy(c, plan, 1, [&] { ++calls; });
+  const AccuracyStudy study = run_accuracy(c, plan, {Device::Kind::cpu, 1}, [&] { ++calls; });
   CHECK(calls == 5);
   REQUIRE(study.results.size() == 3);
   CHECK(study.reference.doubled_step[0] > 0);

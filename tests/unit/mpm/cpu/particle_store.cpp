@@ -26,7 +26,6 @@ struct Scene {
     setup.domain.n = 16;
     setup.branches = {Branch::jelly, Branch::plasticine};
     setup.parameters.resize(2);
-    setup.team = &team;
     std::uniform_real_distribution<double> unit(0, 1);
     const double dx = setup.domain.dx();
     for (int i = 0; i < 6000; ++i) {
@@ -121,7 +120,7 @@ template <class T>
 void check_moves() {
   std::mt19937 random(3);
   const Scene scene(random);
-  ParticleStore<T> store(scene.setup, kSafe);
+  ParticleStore<T> store(scene.setup, scene.team, kSafe);
   CHECK(store.load(scene.state) == 0);
   const double columns = check_store(store, scene);
   int left = 0;
@@ -158,7 +157,7 @@ TEST_CASE("mpm particle store: particles keep their numbers when they leave colu
 TEST_CASE("mpm particle store: a register whose strays find no place is no column any more") {
   std::mt19937 random(5);
   const Scene scene(random);
-  ParticleStore<float> store(scene.setup, kSafe);
+  ParticleStore<float> store(scene.setup, scene.team, kSafe);
   store.load(scene.state);
   constexpr int W = kLanes<float>;
   int columns = 0, left = 0;

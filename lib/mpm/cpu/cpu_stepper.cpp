@@ -1,4 +1,4 @@
-#include "mpm/stepper.h"
+#include "mpm/cpu/cpu_stepper.h"
 
 #include <algorithm>
 #include <atomic>
@@ -6,6 +6,7 @@
 #include "base/clock.h"
 #include "base/kernels.h"
 #include "mpm/cpu/block_pass.h"
+#include "mpm/cpu/state_summary.h"
 
 namespace physmas::mpm {
 
@@ -16,11 +17,13 @@ constexpr double kDriftLimit = 0.999;
 // A sort pays once the strays since the last one, per particle, have cost as much: for a loss that grows evenly that is
 // the least on average.
 constexpr double kStraysPerSort = 2;
+// With fewer particles threads wait for one another for longer than they save.
+constexpr int kParticlesPerThread = 2000;
 
 template <class T>
-class TypedStepper final : public Stepper {
+class CpuStepper final : public Stepper {
  public:
-  explicit TypedStepper(const StepperSetup& setup);
+  CpuStepper(int threads, const StepperSetup& setup);
   long long load(const State& state) override {
     drift_ = 0;
     strays_ = 0;
@@ -30,9 +33,13 @@ class TypedStepper final : public Stepper {
   }
   void store(State& state) const override { store_.store(state); }
   StepReport advance(int steps, double dt, const ControlSource& controls, double energy_limit) override;
-  int active_grid_blocks() const override { return static_cast<int>(store_.map.grid_blocks.size()); }
-  size_t particle_bytes() const override { return store_.bytes(); }
-  size_t grid_bytes() const override { return grid_.bytes(); }
+  ElasticSummary summarise_elastic(const State& state) override { return mpm::summarise_elastic(setup_, state, team_); }
+  StepBounds measure_bounds(const State& state) override { return mpm::measure_bounds(setup_, state, team_); }
+  StepperUsage usage() const override {
+    const double blocks = std::pow((setup_.domain.n + kBlock) / kBlock, 3);
+    return {team_.threads(), static_cast<double>(store_.map.grid_blocks.size()) / blocks, store_.bytes(),
+            grid_.bytes()};
+  }
 
  private:
   void prepare();
@@ -42,6 +49,7 @@ class TypedStepper final : public Stepper {
   void pass(double dt, StepReport& report);
 
   StepperSetup setup_;
+  Team team_;
   double dx_;
   std::vector<MaterialParameters<T>> parameters_;
   ParticleStore<T> store_;
@@ -60,13 +68,17 @@ class TypedStepper final : public Stepper {
 };
 
 template <class T>
-TypedStepper<T>::TypedStepper(const StepperSetup& setup)
-    : setup_(setup), dx_(setup.domain.dx()), store_(setup_, kSafeCells), grid_(setup_, store_.map) {
+CpuStepper<T>::CpuStepper(int threads, const StepperSetup& setup)
+    : setup_(setup),
+      team_(threads),
+      dx_(setup.domain.dx()),
+      store_(setup_, team_, kSafeCells),
+      grid_(setup_, team_, store_.map) {
   for (const auto& p : setup_.parameters) parameters_.push_back(convert_parameters<T>(p));
 }
 
 template <class T>
-void TypedStepper<T>::prepare() {
+void CpuStepper<T>::prepare() {
   grid_.prepare();
   reports_.assign(store_.map.particle_blocks.size(), {});
   done_ = std::vector<std::atomic<std::uint32_t>>(store_.map.waits_for.size());
@@ -74,7 +86,7 @@ void TypedStepper<T>::prepare() {
 
 // Needs no velocities: it happens between the grid update and the next gather.
 template <class T>
-void TypedStepper<T>::sort(StepReport& report) {
+void CpuStepper<T>::sort(StepReport& report) {
   const Stopwatch watch;
   store_.sort();
   prepare();
@@ -85,7 +97,7 @@ void TypedStepper<T>::sort(StepReport& report) {
 }
 
 template <class T>
-void TypedStepper<T>::update_grid(double dt, StepReport& report) {
+void CpuStepper<T>::update_grid(double dt, StepReport& report) {
   const Stopwatch watch;
   GridEnergy energy;
   // Particle velocities are convex combinations of node velocities, so none is faster than the fastest node.
@@ -96,14 +108,14 @@ void TypedStepper<T>::update_grid(double dt, StepReport& report) {
 
 template <class T>
 template <bool kGather, bool kScatter>
-void TypedStepper<T>::pass(double dt, StepReport& report) {
+void CpuStepper<T>::pass(double dt, StepReport& report) {
   const Stopwatch watch;
   // Threads take runs of blocks by colour and meet at no node; where neighbours of another colour are at work, they
   // wait. So every node sums in the same order, whatever the threads.
   const BlockMap& map = store_.map;
   ++pass_;
   const auto for_each_block = [&](const auto& work) {
-    setup_.team->for_each(map.thread_bounds, [&](int run) {
+    team_.for_each(map.thread_bounds, [&](int run) {
       for (const int other : map.waits_for[run]) {
         for (int round = 0; kScatter && done_[other].load(std::memory_order_acquire) != pass_; ++round) {
           Team::pause(round);
@@ -142,7 +154,7 @@ void TypedStepper<T>::pass(double dt, StepReport& report) {
 }
 
 template <class T>
-StepReport TypedStepper<T>::advance(int steps, double dt, const ControlSource& controls, double energy_limit) {
+StepReport CpuStepper<T>::advance(int steps, double dt, const ControlSource& controls, double energy_limit) {
   StepReport report;
   if (steps <= 0 || store_.slots() == 0) return report;
   before_.active = controls(0, before_.group);
@@ -183,9 +195,12 @@ StepReport TypedStepper<T>::advance(int steps, double dt, const ControlSource& c
 
 namespace PHYSMAS_KERNELS {
 
-std::unique_ptr<Stepper> make_stepper(Precision precision, const StepperSetup& setup) {
-  if (precision == Precision::full) return std::make_unique<TypedStepper<double>>(setup);
-  return std::make_unique<TypedStepper<float>>(setup);
+std::unique_ptr<Stepper> make_cpu_stepper(int threads, Precision precision, const StepperSetup& setup) {
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int most = static_cast<int>(setup.row.size()) / kParticlesPerThread;
+  threads = std::max(1, std::min(threads > 0 ? threads : cores, most));
+  if (precision == Precision::full) return std::make_unique<CpuStepper<double>>(threads, setup);
+  return std::make_unique<CpuStepper<float>>(threads, setup);
 }
 
 }  // namespace PHYSMAS_KERNELS

@@ -1,0 +1,19 @@
+#include "base/device.h"
+
+#include "base/error.h"
+
+namespace physmas {
+
+Device choose_device(const std::string& name, int threads) {
+  const Device device = {name == "cuda" ? Device::Kind::cuda : Device::Kind::cpu, threads};
+  require_device(device);
+  return device;
+}
+
+void require_device(const Device& device) {
+  if (device.kind == Device::Kind::cuda) {
+    throw Error(ExitCode::usage, "--device cuda: this build has no CUDA back end, expected cpu or auto");
+  }
+}
+
+}  // namespace physmas

@@ -1,0 +1,26 @@
+// What a stepper is made from: everything that stays the same during a run.
+#ifndef PHYSMAS_MPM_STEPPER_SETUP_H
+#define PHYSMAS_MPM_STEPPER_SETUP_H
+
+#include <cstdint>
+#include <vector>
+
+#include "mpm/domain.h"
+#include "mpm/material/material.h"
+
+namespace physmas::mpm {
+
+struct StepperSetup {
+  Domain domain;
+  std::vector<Branch> branches;                        // per row
+  std::vector<MaterialParameters<double>> parameters;  // per row
+  std::vector<int> row;                                // per particle
+  std::vector<double> volume;                          // per particle [m^3]
+  std::vector<std::uint16_t> control_group;            // per particle
+  bool track_total_F = false;                          // State::total_F is integrated as well
+  bool measure_steps = false;                          // the energy budget of every substep
+};
+
+}  // namespace physmas::mpm
+
+#endif
