@@ -193,6 +193,9 @@ int render(const Options& options) {
     export_seconds += export_watch.seconds();
     progress.update(static_cast<long>(i) + 1);
   }
+  const Stopwatch endpoint_watch;
+  record.endpoints = splat::measure_endpoints(renderer, gaussians, rollout, scene, render_options, record.frames);
+  render_seconds += endpoint_watch.seconds();
   // Pictures of an earlier run would belong to another rollout.
   for (const splat::FrameFiles& files : {png, depth, ply}) {
     if (files.wanted()) splat::remove_other_frames(files, wanted);

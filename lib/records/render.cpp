@@ -2,6 +2,43 @@
 
 namespace physmas {
 
+namespace {
+
+FrameForeground foreground_from(const Json& json, const std::string& path, const std::string& pointer) {
+  FrameForeground frame;
+  frame.frame = json.at("frame").get<int>();
+  const Json& box = json.at("box");
+  frame.present = !box.is_null();
+  if (frame.present) {
+    frame.x0 = box[0].get<int>(), frame.y0 = box[1].get<int>(), frame.x1 = box[2].get<int>(),
+    frame.y1 = box[3].get<int>();
+    if (frame.x1 <= frame.x0 || frame.y1 <= frame.y0)
+      throw invalid_field(path, pointer + "/box", box, "x1 > x0 and y1 > y0");
+  }
+  frame.dark_ratio = json.at("dark_ratio").get<double>();
+  return frame;
+}
+
+std::vector<FrameForeground> foregrounds_from(const Json& list, const std::string& path, const std::string& pointer) {
+  std::vector<FrameForeground> frames;
+  for (const Json& json : list)
+    frames.push_back(foreground_from(json, path, pointer + "/" + std::to_string(frames.size())));
+  return frames;
+}
+
+Json to_json(const std::vector<FrameForeground>& frames) {
+  Json list = Json::array();
+  for (const FrameForeground& frame : frames) {
+    list.push_back({{"frame", frame.frame},
+                    {"box", frame.present ? Json::array({frame.x0, frame.y0, frame.x1, frame.y1}) : Json()},
+                    {"area", frame.area()},
+                    {"dark_ratio", frame.dark_ratio}});
+  }
+  return list;
+}
+
+}  // namespace
+
 RenderRecord load_render(const std::string& path) {
   const Json document = load_record(path, "render");
   RenderRecord record;
@@ -12,21 +49,11 @@ RenderRecord load_render(const std::string& path) {
   record.fps = document.value("fps", record.fps);
   record.width = document.at("width").get<int>();
   record.height = document.at("height").get<int>();
-  for (const Json& json : document.at("frames")) {
-    FrameForeground frame;
-    frame.frame = json.at("frame").get<int>();
-    const Json& box = json.at("box");
-    frame.present = !box.is_null();
-    if (frame.present) {
-      frame.x0 = box[0].get<int>(), frame.y0 = box[1].get<int>(), frame.x1 = box[2].get<int>(),
-      frame.y1 = box[3].get<int>();
-      if (frame.x1 <= frame.x0 || frame.y1 <= frame.y0) {
-        throw invalid_field(path, "/frames/" + std::to_string(record.frames.size()) + "/box", box,
-                            "x1 > x0 and y1 > y0");
-      }
-    }
-    frame.dark_ratio = json.at("dark_ratio").get<double>();
-    record.frames.push_back(frame);
+  record.frames = foregrounds_from(document.at("frames"), path, "/frames");
+  if (document.contains("endpoints")) {
+    record.endpoints = foregrounds_from(document.at("endpoints"), path, "/endpoints");
+    if (record.endpoints[0].frame != 0)
+      throw invalid_field(path, "/endpoints/0/frame", record.endpoints[0].frame, "0, the rest frame");
   }
   record.skipped_gaussians = document.value("skipped_gaussians", 0L);
   record.depth_unit = document.value("depth_unit", 0.0);
@@ -44,13 +71,8 @@ void save_render(const std::string& path, const RenderRecord& record, const Prov
   json["fps"] = record.fps;
   json["width"] = record.width;
   json["height"] = record.height;
-  json["frames"] = Json::array();
-  for (const FrameForeground& frame : record.frames) {
-    json["frames"].push_back({{"frame", frame.frame},
-                              {"box", frame.present ? Json::array({frame.x0, frame.y0, frame.x1, frame.y1}) : Json()},
-                              {"area", frame.area()},
-                              {"dark_ratio", frame.dark_ratio}});
-  }
+  json["frames"] = to_json(record.frames);
+  if (!record.endpoints.empty()) json["endpoints"] = to_json(record.endpoints);
   json["skipped_gaussians"] = record.skipped_gaussians;
   if (record.depth_unit > 0) json["depth_unit"] = record.depth_unit;
   json["omitted"] = to_json(record.omitted);

@@ -27,7 +27,10 @@ struct RenderRecord {
   long file_size = 0;  // bytes
   double fps = 25;
   int width = 0, height = 0;
-  std::vector<FrameForeground> frames;
+  std::vector<FrameForeground> frames;  // what the video's pictures show
+  // Frames 0 and T-1 in the first output camera, on an image plane that is not cut at the picture's edge: what the
+  // screen compares. Empty where `frames` says the same.
+  std::vector<FrameForeground> endpoints;
   long skipped_gaussians = 0;
   double depth_unit = 0;  // scene units per level of the depth pictures; 0: none were written
   std::vector<Omission> omitted;

@@ -13,8 +13,9 @@ namespace {
 constexpr double kPenaltyCap = 0.12, kProjectionPenalty = 0.025, kBondPenalty = 0.035;
 constexpr long kSmallVideo = 4096;  // bytes
 
+// Frame t as the screen sees it: in the first output camera and uncut, where the record has that apart.
 const FrameForeground* find_frame(const RenderRecord& render, int t) {
-  for (const FrameForeground& frame : render.frames) {
+  for (const FrameForeground& frame : render.endpoints.empty() ? render.frames : render.endpoints) {
     if (frame.frame == t) return &frame;
   }
   return nullptr;

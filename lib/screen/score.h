@@ -33,7 +33,8 @@ struct Executed {
   RenderRecord render;
 };
 
-// First and last foreground boxes: rendered frames 0 and T-1. Not valid when one of them is missing or empty.
+// First and last foreground boxes: frames 0 and T-1 in the first output camera. Not valid when one of them is missing
+// or empty.
 struct Endpoints {
   bool valid = false;
   double area_growth = 0;   // last over first, box width x height

@@ -109,6 +109,10 @@ TEST_CASE("screen: video feature tiers are exclusive and strict") {
   CHECK(video() == Approx(0.32));
   bench.last(100, 100, 0.19);
   CHECK(video() == Approx(0.24));
+  // What the record measured apart, in one camera and uncut, wins over what the pictures show.
+  bench.executed.render.endpoints = {{0, true, -5, 0, 95, 100, 0.0}, {2, true, 150, 0, 351, 100, 0.19}};
+  CHECK(video() == Approx(-0.01));
+  bench.executed.render.endpoints.clear();
   // No valid measurement: an empty frame, or a rollout that ended early.
   bench.executed.render.frames[2].present = false;
   CHECK(video() == Approx(0.20));
