@@ -135,7 +135,8 @@ Simulation::Simulation(const Problem& problem, const Timing& timing, const Optio
       callback_(callback),
       actions_(problem.schedule.actions, problem.particles),
       setup_(make_setup(problem, options, actions_)),
-      retentions_(CompiledRetention::compile(problem.schedule.retentions, problem.particles)),
+      retentions_(
+          CompiledRetention::compile(problem.schedule.retentions, problem.particles, problem.schedule.projections)),
       stepper_(make_stepper(options.device, options.precision, setup_)),
       adaptive_(setup_, timing.frame_dt / timing.substeps, (timing.frames - 1) * timing.frame_dt, options.max_steps),
       state_(rest_state(problem.particles, setup_)),

@@ -22,7 +22,8 @@ struct StructureProjection {
 };
 
 // Keeps particles that were close to a support at rest in their place relative to it (paper, "Initial-Neighborhood
-// Interface Retention").
+// Interface Retention"). Where the support has a rigid structure projection, that place turns with it, and velocities
+// go to the support's rigid motion instead of its mean velocity.
 struct InterfaceRetention {
   int support = 0;          // row r
   std::vector<int> rows;    // candidate rows: of the same object, without the support
@@ -40,9 +41,6 @@ class CompiledProjection {
   bool empty() const { return particles_.empty(); }
 
  private:
-  Mat3d best_rotation(const State& state, const Vec3d& center) const;
-  Vec3d best_spin(const State& state, const Vec3d& center, const Vec3d& velocity) const;
-
   double eta_;
   StructureProjection::Mode mode_;
   std::vector<int> particles_;
@@ -52,16 +50,18 @@ class CompiledProjection {
 class CompiledRetention {
  public:
   // A particle that is near several supports belongs to the nearest one, the earlier on ties, so retentions compile
-  // together.
+  // together. projections: those that act before the retentions.
   static std::vector<CompiledRetention> compile(const std::vector<InterfaceRetention>& retentions,
-                                                const Particles& rest);
+                                                const Particles& rest,
+                                                const std::vector<StructureProjection>& projections = {});
   void apply(State& state) const;
   const std::vector<int>& particles() const { return particles_; }  // retained, by ascending rest distance
 
  private:
   double eta_ = 0, zeta_ = 0;
+  StructureProjection::Mode mode_ = StructureProjection::Mode::literal;
   std::vector<int> support_, particles_;
-  std::vector<Vec3d> offset_;
+  std::vector<Vec3d> support_offset_, offset_;
 };
 
 }  // namespace physmas::mpm
