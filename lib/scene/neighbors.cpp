@@ -3,23 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nanoflann.hpp>
+
+#include "base/subset_tree.h"
 
 namespace physmas {
 namespace {
-
-// nanoflann's view of the subset.
-template <class Point>
-struct Cloud {
-  const std::vector<Point>& points;
-  const std::vector<int32_t>& subset;
-  size_t kdtree_get_point_count() const { return subset.size(); }
-  double kdtree_get_pt(size_t i, size_t axis) const { return points[subset[i]][static_cast<int>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
 
 // The k best by distance, then by index. nanoflann offers a point only when it is nearer than worstDist(), so that
 // answers just above the worst distance that still counts: points at equal distance get through.
@@ -51,12 +39,8 @@ class OrderedResults {
 }  // namespace
 
 template <int Dim>
-struct NeighborSearch<Dim>::Tree {
-  using Metric = nanoflann::L2_Simple_Adaptor<double, Cloud<Point>>;
-  Cloud<Point> cloud;
-  nanoflann::KDTreeSingleIndexAdaptor<Metric, Cloud<Point>, Dim, uint32_t> index;
-  Tree(const std::vector<Point>& points, const std::vector<int32_t>& subset)
-      : cloud{points, subset}, index(Dim, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {}
+struct NeighborSearch<Dim>::Tree : SubsetTree<Dim, Point, int32_t> {
+  using SubsetTree<Dim, Point, int32_t>::SubsetTree;
 };
 
 template <int Dim>
@@ -73,7 +57,7 @@ std::vector<Neighbor> NeighborSearch<Dim>::nearest(const Point& query, int count
   if (subset_.empty() || count <= 0) return {};
   OrderedResults results(std::min<size_t>(count, subset_.size()), subset_);
   const Eigen::Matrix<double, Dim, 1> q = query.template cast<double>();
-  tree_->index.findNeighbors(results, q.data(), nanoflann::SearchParams());
+  tree_->search(q.data(), results);
   return results.take();
 }
 
