@@ -7,8 +7,6 @@
 namespace physmas::screen {
 namespace {
 
-constexpr double kSpread = 2.0;  // foreground-box area, last over first
-constexpr double kFlatHeight = 0.45, kFlatWidth = 1.25;
 constexpr double kSupportE = 1e7;  // Pa
 constexpr const char* kExemptTransform = "solver-compatible";
 
@@ -33,10 +31,10 @@ Gate numerical_gate(const ExecutionRecord& execution) {
 }
 
 Gate spread_gate(const Endpoints& endpoints) {
-  Gate gate{"spread", true, nullptr, {{"area_growth_at_most", kSpread}}};
+  Gate gate{"spread", true, nullptr, {{"area_growth_at_most", kSpreadLimit}}};
   if (!endpoints.valid) return gate;
   gate.measured = {{"area_growth", endpoints.area_growth}};
-  gate.passed = endpoints.area_growth <= kSpread;
+  gate.passed = !endpoints.spread();
   return gate;
 }
 
@@ -47,7 +45,7 @@ Gate flattening_gate(const Endpoints& endpoints) {
             {{"refused_height_ratio_below", kFlatHeight}, {"with_width_ratio_above", kFlatWidth}}};
   if (!endpoints.valid) return gate;
   gate.measured = {{"height_ratio", endpoints.height_ratio}, {"width_ratio", endpoints.width_ratio}};
-  gate.passed = !(endpoints.height_ratio < kFlatHeight && endpoints.width_ratio > kFlatWidth);
+  gate.passed = !endpoints.flattened();
   return gate;
 }
 

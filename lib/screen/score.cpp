@@ -36,13 +36,12 @@ void score_video(ScreenedCandidate& screened, const RenderRecord& render, const 
   }
   if (!endpoints.valid) return;
   add("foreground in the first and the last frame", 0.12);
-  if (endpoints.area_growth > 2.0) {
+  if (endpoints.spread()) {
     add("foreground area grows above 2.0x", -0.25);
   } else if (endpoints.area_growth > 1.45) {
     add("foreground area grows above 1.45x", -0.10);
   }
-  if (endpoints.height_ratio < 0.45 && endpoints.width_ratio > 1.25)
-    add("height falls below 0.45x while width exceeds 1.25x", -0.22);
+  if (endpoints.flattened()) add("height falls below 0.45x while width exceeds 1.25x", -0.22);
   if (endpoints.dark_ratio > 0.18) add("dark foreground above 0.18", -0.08);
 }
 

@@ -33,6 +33,11 @@ struct Executed {
   RenderRecord render;
 };
 
+// Limits of the spread and flattening gates (paper, "Validity Gate, Ranking, and Tie Rules"); two terms of the score
+// have the same ones.
+constexpr double kSpreadLimit = 2.0;  // foreground-box area, last over first
+constexpr double kFlatHeight = 0.45, kFlatWidth = 1.25;
+
 // First and last foreground boxes: frames 0 and T-1 in the first output camera. Not valid when one of them is missing
 // or empty.
 struct Endpoints {
@@ -41,6 +46,9 @@ struct Endpoints {
   double height_ratio = 0;  // last over first
   double width_ratio = 0;
   double dark_ratio = 0;  // of the last frame
+
+  bool spread() const { return area_growth > kSpreadLimit; }
+  bool flattened() const { return height_ratio < kFlatHeight && width_ratio > kFlatWidth; }
 };
 Endpoints endpoints_of(const RenderRecord& render, int frames);
 
