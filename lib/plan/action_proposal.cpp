@@ -17,11 +17,6 @@ constexpr double kNoDirection = 1e-6;  // a vector shorter than this points nowh
 const char* const kDirectionForms =
     "up, down, left, right, forward, back, clockwise, counterclockwise, +x ... -z, \"toward ID\", or three numbers";
 
-ActionType type_of(const Json& action) {
-  const std::string name = action.at("type").get<std::string>();
-  return static_cast<ActionType>(std::find(kActionNames.begin(), kActionNames.end(), name) - kActionNames.begin());
-}
-
 // Whether the vocabulary knows a mover for the action; the others change the target itself.
 bool may_have_source(ActionType type) {
   return type == ActionType::translation || type == ActionType::drag_pair || type == ActionType::top_press ||
@@ -68,7 +63,7 @@ class Compiler {
 
   PlanAction compile_action(const Json& json) {
     PlanAction action;
-    action.type = type_of(json);
+    action.type = action_from(json.at("type").get<std::string>());
     action.target = resolve("target", json.at("target").get<std::string>(), json.at("target"));
     if (!json.at("source").is_null()) {
       if (!may_have_source(action.type))

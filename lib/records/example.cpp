@@ -5,6 +5,7 @@
 #include <set>
 
 #include "records/json_fields.h"
+#include "records/names.h"
 
 namespace physmas {
 namespace {
@@ -38,13 +39,6 @@ constexpr std::array<const char*, 11> kSizeFields = {"radius",   "top_radius", "
                                                      "rounding", "profile",    "path",        "length", "width"};
 constexpr std::array<const char*, 6> kPatterns = {"bands", "spots", "noise", "gradient", "lattice", "seams"};
 constexpr std::array<const char*, 3> kCopies = {"ring", "spiral", "scatter"};
-
-template <class Names>
-int index_of(const Names& names, const std::string& name) {
-  const auto at = std::find(names.begin(), names.end(), name);
-  if (at == names.end()) throw internal_error("a name that the schema should have refused: " + name);
-  return static_cast<int>(at - names.begin());
-}
 
 void check_fields(const Json& json, const ShapeFields& type, const std::string& file, const std::string& pointer) {
   const auto takes = [&](const std::string& field) {

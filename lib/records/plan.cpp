@@ -1,22 +1,15 @@
 #include "records/plan.h"
 
+#include "records/names.h"
+
 namespace physmas {
-namespace {
 
 ActionType action_from(const std::string& name) {
-  for (int i = 0; i < kActionCount; ++i) {
-    if (name == kActionNames[i]) return static_cast<ActionType>(i);
-  }
-  throw internal_error("an action that the schema should have refused: " + name);
+  return static_cast<ActionType>(index_of(kActionNames, name));
 }
 
-}  // namespace
-
 Follow follow_from(const std::string& name) {
-  for (size_t i = 0; i < kFollowNames.size(); ++i) {
-    if (name == kFollowNames[i]) return static_cast<Follow>(i);
-  }
-  throw internal_error("a follow flag that the schema should have refused: " + name);
+  return static_cast<Follow>(index_of(kFollowNames, name));
 }
 
 std::vector<int> resolve_rows(const Inventory& inventory, const std::string& reference) {

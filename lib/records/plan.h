@@ -31,6 +31,8 @@ inline constexpr std::array<const char*, kActionCount> kActionNames = {
 inline const char* action_name(ActionType type) {
   return kActionNames[static_cast<int>(type)];
 }
+// name: one of kActionNames.
+ActionType action_from(const std::string& name);
 
 // Which particles of a target follow the puller of a drag_pair: none, those near it at rest, or all.
 enum class Follow : int { none = 0, interface, target };

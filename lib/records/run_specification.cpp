@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "records/json_fields.h"
+#include "records/names.h"
 
 namespace physmas {
 namespace {
@@ -13,14 +14,6 @@ using Collider = RunSpecification::Collider;
 constexpr std::array<const char*, 3> kColliderTypes = {"plane", "box", "sphere"};
 constexpr std::array<const char*, 2> kOcclusions = {"none", "depth"};
 constexpr std::array<const char*, 3> kColliderModes = {"sticky", "slip", "separate"};
-
-template <size_t N>
-int index_of(const std::array<const char*, N>& names, const std::string& name) {
-  for (size_t i = 0; i < N; ++i) {
-    if (name == names[i]) return static_cast<int>(i);
-  }
-  throw internal_error("a name that the schema should have refused: " + name);
-}
 
 Collider collider_from(const Json& json, const std::string& file, const std::string& pointer) {
   Collider c;
