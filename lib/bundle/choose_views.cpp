@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
 #include "base/error.h"
 #include "bundle/view_rig.h"
 
 namespace physmas::bundle {
 namespace {
 
-constexpr double kDegrees = 180 / 3.14159265358979323846;
+constexpr double kDegrees = 180 / kPi;
 
 struct Candidate {
   size_t index;

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
+
 namespace physmas::bundle {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kPi = 3.14159265358979323846;
 
 double smooth(double t) {
   t = std::clamp(t, 0.0, 1.0);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/constants.h"
 #include "base/file.h"
 #include "bundle/foreign_json.h"
 #include "bundle/physgaussian_boundaries.h"
@@ -18,7 +19,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kRadians = 3.14159265358979323846 / 180;
+constexpr double kRadians = kPi / 180;
 const Vector3d kCenter = Vector3d::Ones();  // where PhysGaussian puts the middle of the scene
 
 // The axis name of a vector along an axis; empty for others.

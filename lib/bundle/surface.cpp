@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.h"
+
 namespace physmas::bundle {
 namespace {
 
@@ -11,7 +13,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Polyline = std::vector<Vector2d>;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kDifference = 1e-3;  // step of the finite differences in u and v
 // Products such as height / spacing that are whole numbers on paper must not fall on either side by rounding.
 constexpr double kSlack = 1e-9;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
 #include "base/error.h"
 #include "bundle/pattern.h"
 #include "bundle/surface.h"
@@ -16,7 +17,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kCover = 0.62;      // standard deviation by cell edge: neighbours overlap without gaps
 constexpr double kThickness = 0.16;  // standard deviation across the surface by spacing
 constexpr size_t kMaxGaussians = 2000000;

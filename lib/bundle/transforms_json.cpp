@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "base/constants.h"
 #include "base/error.h"
 #include "bundle/captured_views.h"
 #include "bundle/foreign_json.h"
@@ -10,7 +11,6 @@
 namespace physmas::bundle {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr const char* kUndistort =
     "undistort the images first, for example with COLMAP's image_undistorter, and import its model";
 

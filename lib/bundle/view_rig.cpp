@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/constants.h"
 #include "records/run_specification.h"
 
 namespace physmas::bundle {
@@ -12,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRadians = 3.14159265358979323846 / 180;
+constexpr double kRadians = kPi / 180;
 constexpr double kQuantile = 0.005, kWiden = 0.1;
 
 // Where a camera that looks along `forward` must stand.

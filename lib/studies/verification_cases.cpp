@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/constants.h"
 #include "base/error.h"
 
 namespace physmas::studies {
@@ -12,7 +13,6 @@ using mpm::Problem;
 using mpm::State;
 using mpm::Vec3d;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kGravity = 9.8;
 
 Problem empty_scene(const mpm::Material& material, int n, const Vec3d& gravity) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/constants.h"
 #include "splat/dominant.h"
 #include "splat/renderer.h"
 #include "unit/splat/scenes.h"
@@ -17,7 +18,6 @@ using namespace physmas::metrics;
 
 namespace {
 
-constexpr double kPi = 3.14159265358979;
 constexpr double kDistance = 5;                       // of the camera from the middle, scene units
 constexpr float kSigma = 0.03f, kThickness = 0.003f;  // of the discs, standard deviations
 
