@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "records/hdf5_text.h"
 #include "records/json.h"
 
 namespace physmas {
@@ -217,7 +218,7 @@ std::vector<float> Hdf5Reader::read_float_slab(const std::string& name, uint64_t
 }
 
 std::vector<double> Hdf5Reader::read_attribute(const std::string& object, const std::string& name, size_t count) const {
-  const std::string where = object + "/@" + name;
+  const std::string where = (object == "/" ? "" : object) + "/@" + name;
   const std::string wanted = fmt::format("{} numbers", count);
   const Handle attribute(H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
   if (!attribute.ok()) throw invalid(where, "nothing", wanted);
@@ -234,17 +235,17 @@ std::vector<double> Hdf5Reader::read_attribute(const std::string& object, const 
 }
 
 std::string Hdf5Reader::read_text_attribute(const std::string& object, const std::string& name) const {
-  const std::string where = object + "/@" + name;
+  const std::string where = (object == "/" ? "" : object) + "/@" + name;
   const Handle attribute(H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
   if (!attribute.ok()) throw invalid(where, "nothing", "text");
   const Handle type(H5Aget_type(attribute));
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
-    throw invalid(where, "another type", "a fixed-length text");
+  if (H5Tget_class(type) != H5T_STRING) throw invalid(where, "another type", "text");
   const Handle space(H5Aget_space(attribute));
   const hssize_t texts = H5Sget_simple_extent_npoints(space);
   if (texts != 1) throw invalid(where, fmt::format("{} texts", texts), "one text");
+  if (H5Tis_variable_str(type) > 0) return read_variable_text(attribute, path_, where);
   const size_t size = H5Tget_size(type);
-  if (size > (size_t{64} << 20)) throw invalid(where, fmt::format("{} bytes", size), "a shorter text");
+  if (size > kMaxHdf5Text) throw invalid(where, fmt::format("{} bytes", size), "a shorter text");
   std::string text(size, '\0');
   if (H5Aread(attribute, type, &text[0]) < 0) throw invalid(where, "text that cannot be read", "text");
   text.resize(std::min(text.find('\0'), text.size()));

@@ -41,6 +41,7 @@ class Hdf5Reader {
   std::vector<float> read_float_slab(const std::string& dataset, uint64_t index, uint64_t count) const;
 
   std::vector<double> read_attribute(const std::string& object, const std::string& name, size_t count) const;
+  // One text, of fixed length as we write it or of variable length as h5py does.
   std::string read_text_attribute(const std::string& object, const std::string& name) const;
 
   Error invalid(const std::string& where, const std::string& found, const std::string& expected) const;

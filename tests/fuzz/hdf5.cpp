@@ -4,7 +4,7 @@
 // Input: the record (0 state, 1 rollout, 2 masks, 3 a wrong schema), then entries until the end:
 //   0 dataset: name, type, rank, extents (255: 2^40 without data), values
 //   1 attribute of numbers: object, name, type, count, values
-//   2 attribute of text: object, name, length, bytes
+//   2 attribute of text: object (from 128 on the text has variable length), name, length, bytes
 // Names, types and objects are numbers into the lists below; what the input lacks is zero.
 #include <hdf5.h>
 
@@ -92,19 +92,21 @@ void add_dataset(hid_t file, Input& input, hid_t parents) {
 
 void add_attribute(hid_t file, Input& input, bool text) {
   const uint8_t index = input.byte();
-  const std::string object = index == 0 ? "/" : kNames[index % kNames.size()];
+  const std::string object = index % 128 == 0 ? "/" : kNames[index % 128 % kNames.size()];
   const std::string name = input.one_of(kAttributes);
   if (object == "/map" && H5Lexists(file, "/map", H5P_DEFAULT) <= 0)
     H5Gclose(H5Gcreate2(file, "/map", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
   const hid_t type = H5Tcopy(text ? H5T_C_S1 : type_of(input.byte()));
   const hsize_t count = input.byte();
-  if (text) H5Tset_size(type, count + 1);
+  const bool variable = text && index >= 128;
+  if (text) H5Tset_size(type, variable ? H5T_VARIABLE : count + 1);
   const hid_t space = text ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, nullptr);
   const hid_t attribute =
       H5Acreate_by_name(file, object.c_str(), name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   const std::string values = input.bytes(text ? count : count * H5Tget_size(type)) + std::string(8, '\0');
   if (attribute >= 0) {
-    H5Awrite(attribute, type, values.data());
+    const char* start = values.data();
+    H5Awrite(attribute, type, variable ? static_cast<const void*>(&start) : start);
     H5Aclose(attribute);
   }
   H5Sclose(space);

@@ -165,7 +165,8 @@ std::string hdf5_masks() {
   Hdf5Seed seed(2);
   for (const char mask : {12, 13}) {
     seed.dataset(mask, Hdf5Seed::kByte, {2, 2}, pixels);
-    seed.numbers(mask, 6, {0.5}).text(mask, 7, "file");
+    // One source is a text of variable length, one of fixed length.
+    seed.numbers(mask, 6, {0.5}).text(static_cast<char>(mask == 12 ? mask + 128 : mask), 7, "file");
   }
   return seed.bytes();
 }

@@ -42,6 +42,33 @@ State small_state() {
   return state;
 }
 
+// A file with these texts of variable length as attributes of its root.
+void write_texts(const std::string& path, const std::vector<std::pair<std::string, std::string>>& texts,
+                 hsize_t user_block = 0) {
+  const hid_t properties = H5Pcreate(H5P_FILE_CREATE);
+  H5Pset_userblock(properties, user_block);
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, properties, H5P_DEFAULT);
+  const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
+  H5Tset_size(type, H5T_VARIABLE);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  for (const auto& [name, text] : texts) {
+    const hid_t attribute = H5Acreate2(file, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT);
+    const char* start = text.c_str();
+    CHECK(H5Awrite(attribute, type, &start) >= 0);
+    H5Aclose(attribute);
+  }
+  H5Sclose(space);
+  H5Tclose(type);
+  H5Fclose(file);
+  H5Pclose(properties);
+}
+
+std::string little_endian(uint64_t value, int bytes) {
+  std::string out;
+  for (int i = 0; i < bytes; ++i, value >>= 8) out += static_cast<char>(value & 0xff);
+  return out;
+}
+
 }  // namespace
 
 TEST_CASE("hdf5: a state survives saving and loading, and equal states give equal bytes") {
@@ -145,6 +172,56 @@ TEST_CASE("hdf5: an attribute of several texts is refused before it is read") {
   H5Tclose(type);
   H5Fclose(file);
   CHECK(message_of([&] { load_state(path); }).find("/@schema: found 4 texts, expected one text") != std::string::npos);
+}
+
+TEST_CASE("hdf5: texts of variable length are read as those of fixed length are") {
+  const TemporaryFolder folder;
+  const std::string longer(100000, 'x');
+  for (const hsize_t user_block : {0, 1024}) {
+    const std::string path = folder / "texts.h5";
+    write_texts(path, {{"schema", "physmas/state/1"}, {"empty", ""}, {"longer", longer}, {"word", "lollipop"}},
+                user_block);
+    const Hdf5Reader file(path, "state");
+    CHECK(file.read_text_attribute("/", "word") == "lollipop");
+    CHECK(file.read_text_attribute("/", "empty").empty());
+    CHECK(file.read_text_attribute("/", "longer") == longer);
+  }
+}
+
+TEST_CASE("hdf5: a text of variable length whose bytes are elsewhere than it says is refused") {
+  const TemporaryFolder folder;
+  const std::string longer(10000, 'x');
+  write_texts(folder / "texts.h5", {{"longer", longer}, {"schema", "physmas/state/1"}});
+  const std::string good = read_file(folder / "texts.h5");
+  const auto error = [&](size_t at, const std::string& bytes) {
+    std::string bad = good;
+    write_file(folder / "bad.h5", bad.replace(at, bytes.size(), bytes));
+    return message_of([&] { Hdf5Reader(folder / "bad.h5", "state").read_text_attribute("/", "longer"); });
+  };
+  const size_t data = good.find(longer), object = data - 16, heap = object - 16;
+  REQUIRE(data != std::string::npos);
+  REQUIRE(good.compare(heap, 4, "GCOL") == 0);
+  // Length, address of the heap, number of the object.
+  const size_t reference = good.find(little_endian(longer.size(), 4) + little_endian(heap, 8));
+  REQUIRE(reference != std::string::npos);
+  CHECK(error(0, good.substr(0, 1)) == "no error");
+  CHECK(error(reference, little_endian(1, 4)).find("/@longer: found 10000 bytes for a text of 1") != std::string::npos);
+  CHECK(error(reference, little_endian(0xffffffff, 4)).find("found 4294967295 bytes, expected a shorter text") !=
+        std::string::npos);
+  CHECK(error(reference, little_endian(60 << 20, 4)).find("found a heap of") != std::string::npos);
+  for (const uint64_t address : {uint64_t{0}, good.size() - 8, uint64_t{1} << 62, ~uint64_t{0}})
+    CHECK(error(reference + 4, little_endian(address, 8)).find("without its heap") != std::string::npos);
+  CHECK(error(reference + 12, little_endian(7, 4)).find("without the text") != std::string::npos);
+  CHECK(error(object + 8, little_endian(~uint64_t{0}, 8)).find("without the text") != std::string::npos);
+  for (const uint64_t size : {uint64_t{0}, uint64_t{15}, ~uint64_t{0}})
+    CHECK(error(heap + 8, little_endian(size, 8)).find("found a heap of") != std::string::npos);
+  CHECK(error(heap + 8, little_endian(60 << 20, 8)).find("cut off") != std::string::npos);
+  // No byte that says where the text is does more than be refused.
+  for (const size_t start : {reference, heap, object}) {
+    for (size_t at = start; at < start + 16; ++at) {
+      for (const int flip : {0x01, 0x80, 0xff}) error(at, std::string(1, static_cast<char>(good[at] ^ flip)));
+    }
+  }
 }
 
 TEST_CASE("hdf5: masks name unknown views, objects and rows") {
