@@ -149,21 +149,21 @@ int main(int argc, char** argv) {
       "Reads physmas/scene, inventory, plan, evidence, state and, with --repair, screen and the screened candidates; "
       "writes DIR/ID.json (physmas/candidate), DIR/roundN.json (physmas/round) and DIR/roundN.mk (one makefile line "
       "PM_ROUNDN := ids). A screen that asks for no repair gives an empty round.";
-  tool.options = [&](CLI::App& app) {
-    app.add_option("--scene", options.scene, "scene.json or its slice")->required()->type_name("FILE");
-    app.add_option("--inventory", options.inventory, "inventory.json")->required()->type_name("FILE");
-    auto* plan = app.add_option("--plan", options.plan, "plan.json")->type_name("FILE");
-    auto* evidence = app.add_option("--evidence", options.evidence, "evidence.json")->type_name("FILE");
-    app.add_option("--state", options.state, "state.h5")->required()->type_name("FILE");
-    app.add_option("--out", options.out, "Folder of the candidates")->required()->type_name("DIR");
-    auto* repair = app.add_option("--repair", options.repair, "screen/roundN.json whose base is repaired for round N+1")
-                       ->type_name("FILE");
+  tool.options = [&](Command app) {
+    app.add_option("--scene", options.scene, "scene.json or its slice").required().type_name("FILE");
+    app.add_option("--inventory", options.inventory, "inventory.json").required().type_name("FILE");
+    auto plan = app.add_option("--plan", options.plan, "plan.json").type_name("FILE");
+    auto evidence = app.add_option("--evidence", options.evidence, "evidence.json").type_name("FILE");
+    app.add_option("--state", options.state, "state.h5").required().type_name("FILE");
+    app.add_option("--out", options.out, "Folder of the candidates").required().type_name("DIR");
+    auto repair = app.add_option("--repair", options.repair, "screen/roundN.json whose base is repaired for round N+1")
+                      .type_name("FILE");
     app.add_option("--configuration", options.configuration,
                    "A hand-authored configuration: one candidate, `authored`, instead of those from plan and evidence")
-        ->type_name("FILE")
-        ->excludes(plan)
-        ->excludes(evidence)
-        ->excludes(repair);
+        .type_name("FILE")
+        .excludes(plan)
+        .excludes(evidence)
+        .excludes(repair);
   };
   tool.work = [&](const CommonOptions&) { return work(options); };
   return run_tool(argc, argv, tool);

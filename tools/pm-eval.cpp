@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
        "Reads physmas/scene/1, inventory/1, state/1, rollout/1, metrics/1, evaluation/1, study/1, answers/1, upr/1,\n"
        "suite/1, example/1, configuration/1; writes physmas/metrics/1, study/1, upr/1, verification/1, accuracy/1,\n"
        "stability/1, labels/1, evaluation/1.",
-       [&](CLI::App& app) {
+       [&](Command app) {
          commands = {metrics::add_motion_command(app),
                      metrics::add_tracks_command(app),
                      metrics::add_flow_command(app),
@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
        },
        [&](const CommonOptions& common) {
          for (const Subcommand& command : commands) {
-           if (command.app->parsed()) return command.work(common);
+           if (command.command.parsed()) return command.work(common);
          }
          throw internal_error("no subcommand");
        }});

@@ -1,5 +1,4 @@
 // pm-ground: the scene agent. A prompt and four calibrated views in; inventory, plan and masks out.
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -168,23 +167,23 @@ int main(int argc, char** argv) {
       "Reads scene.json (or its slice), the views, an authored inventory and masks; writes inventory.json, plan.json "
       "and masks.h5 into --out and, with a model server, exchanges/NAME.json (physmas/exchange).\n"
       "The key for a model server is read from the environment variable PM_API_KEY and written nowhere.";
-  tool.options = [&](CLI::App& app) {
-    app.add_option("--scene", options.scene, "Scene bundle, or its slice for this stage")->required();
-    app.add_option("--out", options.out, "Folder for the three records")->required();
+  tool.options = [&](Command app) {
+    app.add_option("--scene", options.scene, "Scene bundle, or its slice for this stage").required();
+    app.add_option("--out", options.out, "Folder for the three records").required();
     app.add_option("--agent", options.agent,
                    "builtin (authored inventory, lexical plan), the URL of an OpenAI-compatible server "
                    "(http://localhost:8000/v1), or replay:DIR")
-        ->capture_default_str()
-        ->type_name("builtin|URL|replay:DIR");
-    app.add_option("--model", options.model, "Name of the chat model on that server")->type_name("NAME");
+        .capture_default_str()
+        .type_name("builtin|URL|replay:DIR");
+    app.add_option("--model", options.model, "Name of the chat model on that server").type_name("NAME");
     app.add_option("--perception", options.perception,
                    "builtin (the bundle's masks, else by appearance hints), masks:DIR (VIEW/OBJECT.png, "
                    "VIEW/OBJECT/PART.png, COCO JSON), the URL of an Open Inference Protocol server "
                    "(http://localhost:8001), or replay:DIR")
-        ->capture_default_str()
-        ->type_name("builtin|masks:DIR|URL|replay:DIR");
-    app.add_option("--detector", options.detector, "Name of the detector on that server")->capture_default_str();
-    app.add_option("--segmenter", options.segmenter, "Name of the segmenter on that server")->capture_default_str();
+        .capture_default_str()
+        .type_name("builtin|masks:DIR|URL|replay:DIR");
+    app.add_option("--detector", options.detector, "Name of the detector on that server").capture_default_str();
+    app.add_option("--segmenter", options.segmenter, "Name of the segmenter on that server").capture_default_str();
     remote::add_remote_options(app, options.remote);
   };
   tool.work = [&](const CommonOptions&) { return ground_scene(options); };

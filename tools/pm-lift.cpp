@@ -1,7 +1,6 @@
 // pm-lift: masks to Gaussians to particles. Inventory, masks and 3D Gaussians in; the initial state out.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 
@@ -125,14 +124,14 @@ int main(int argc, char** argv) {
       "Example: pm-lift --scene bundle/scene.json --inventory run/inventory.json --masks run/masks.h5 --out "
       "run/state.h5\n"
       "Reads scene.json (or its slice), the Gaussians, inventory.json and masks.h5 (or truth.h5); writes state.h5.";
-  tool.options = [&](CLI::App& app) {
-    app.add_option("--scene", options.scene, "Scene bundle, or its slice for this stage")->required();
-    app.add_option("--inventory", options.inventory, "inventory.json of pm-ground")->required();
-    auto* how = app.add_option_group("labels", "Where the rows come from")->require_option(1);
-    how->add_option("--masks", options.masks, "masks.h5 of pm-ground");
-    how->add_option("--labels", options.labels,
-                    "The row of every Gaussian, as in truth.h5 of a synthesised bundle: nothing is lifted");
-    app.add_option("--out", options.out, "The state to write")->required();
+  tool.options = [&](Command app) {
+    app.add_option("--scene", options.scene, "Scene bundle, or its slice for this stage").required();
+    app.add_option("--inventory", options.inventory, "inventory.json of pm-ground").required();
+    auto how = app.add_option_group("labels", "Where the rows come from").require_option(1);
+    how.add_option("--masks", options.masks, "masks.h5 of pm-ground");
+    how.add_option("--labels", options.labels,
+                   "The row of every Gaussian, as in truth.h5 of a synthesised bundle: nothing is lifted");
+    app.add_option("--out", options.out, "The state to write").required();
     app.add_option("--labels-png", options.labels_png, "Also draw the rows of all views into this folder");
   };
   tool.work = [&](const CommonOptions&) { return lift_scene(options); };

@@ -127,26 +127,26 @@ int main(int argc, char** argv) {
       "writes physmas/evidence and, with a model server, exchanges/NAME.json (physmas/exchange).\n"
       "The key for a model server is read from the environment variable PM_API_KEY and written nowhere.\n"
       "The confidence of a row's mask is the mean over the views whose mask is not empty, 0 (unavailable) without any.";
-  tool.options = [&](CLI::App& app) {
-    app.add_option("--scene", options.scene, "scene.json or its slice")->required()->type_name("FILE");
-    app.add_option("--inventory", options.inventory, "inventory.json")->required()->type_name("FILE");
-    app.add_option("--masks", options.masks, "masks.h5")->required()->type_name("FILE");
-    app.add_option("--state", options.state, "state.h5")->required()->type_name("FILE");
-    app.add_option("--out", options.out, "evidence.json to write")->required()->type_name("FILE");
+  tool.options = [&](Command app) {
+    app.add_option("--scene", options.scene, "scene.json or its slice").required().type_name("FILE");
+    app.add_option("--inventory", options.inventory, "inventory.json").required().type_name("FILE");
+    app.add_option("--masks", options.masks, "masks.h5").required().type_name("FILE");
+    app.add_option("--state", options.state, "state.h5").required().type_name("FILE");
+    app.add_option("--out", options.out, "evidence.json to write").required().type_name("FILE");
     app.add_option("--agent", options.agent,
                    "Who looks at the rows: builtin (nobody: schema and roles), the URL of an OpenAI-compatible server "
                    "(http://localhost:8000/v1), or replay:DIR")
-        ->capture_default_str()
-        ->type_name("builtin|URL|replay:DIR");
-    app.add_option("--model", options.model, "Name of the chat model on that server")->type_name("NAME");
+        .capture_default_str()
+        .type_name("builtin|URL|replay:DIR");
+    app.add_option("--model", options.model, "Name of the chat model on that server").type_name("NAME");
     app.add_option("--predictor", options.predictor,
                    "Crop-conditioned E and nu: none, a model behind the Open Inference Protocol v2 "
                    "(http://host/v2/models/NAME), replay:DIR, or a file of records (physmas/material_records)")
-        ->capture_default_str()
-        ->type_name("none|URL|replay:DIR|FILE");
+        .capture_default_str()
+        .type_name("none|URL|replay:DIR|FILE");
     app.add_option("--authored", options.authored,
                    "Authored crops and answers, ahead of the predictor's and the agent's")
-        ->type_name("FILE");
+        .type_name("FILE");
     remote::add_remote_options(app, options.remote);
   };
   tool.work = [&](const CommonOptions&) { return work(options); };

@@ -254,7 +254,7 @@ void require_given(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   splat::ComparisonOptions comparison;
-  CLI::App* compare = nullptr;
+  Command compare;
   const auto is_mp4 = [](const std::string& path) {
     return fs::path(path).extension() == ".mp4" ? std::string() : "expected a name that ends in .mp4";
   };
@@ -267,37 +267,37 @@ int main(int argc, char** argv) {
       "         pm-render compare videos/posterior.mp4 videos/stiff.mp4 --out compare.mp4\n"
       "Reads physmas/scene/1, state/1, rollout/1 and the execution record beside the rollout;\n"
       "writes the video and physmas/render/1 beside it.";
-  tool.options = [&](CLI::App& app) {
+  tool.options = [&](Command app) {
     app.add_option("--scene", options.scene, "Scene or its render slice (required)");
     app.add_option("--state", options.state, "State with the solver map (required)");
     app.add_option("--rollout", options.rollout, "Rollout to render (required)");
-    app.add_option("--out", options.out, "Video to write, .mp4 (required); the record goes beside it")->check(is_mp4);
-    app.add_option("--frames", options.frames, "Only these frames: 0,10,20-24")->group("Selection");
+    app.add_option("--out", options.out, "Video to write, .mp4 (required); the record goes beside it").check(is_mp4);
+    app.add_option("--frames", options.frames, "Only these frames: 0,10,20-24").group("Selection");
     const auto also = [&](const char* flag, std::string& value, const char* text) {
-      return app.add_option(flag, value, text)->group("Also write");
+      return app.add_option(flag, value, text).group("Also write");
     };
     also("--sheet", options.sheet, "A contact sheet of up to eight frames, .png");
     also("--png", options.png, "Each frame as DIR/frame_0000.png");
     also("--depth", options.depth, "Each frame's depth as DIR/depth_0000.png, 16 bits");
     also("--ply", options.ply, "Each frame's Gaussians as a 3DGS file DIR/frame_0000.ply");
-    CLI::Option* labels = also("--labels", options.labels, "A video with the rows in colours, .mp4")->check(is_mp4);
-    labels->needs(also("--inventory", options.inventory, "inventory.json with the rows, for --labels"));
+    Option labels = also("--labels", options.labels, "A video with the rows in colours, .mp4").check(is_mp4);
+    labels.needs(also("--inventory", options.inventory, "inventory.json with the rows, for --labels"));
 
     compare = app.add_subcommand("compare", "Several videos side by side in one");
-    compare->add_option("VIDEO", comparison.videos, "Videos of pm-render, two or more")->required();
-    compare->add_option("--out", comparison.out, "Video to write, .mp4")->required()->check(is_mp4);
-    compare->add_option("--title", comparison.titles, "Once per video; made from their names when absent")
-        ->expected(1)
-        ->take_all();
-    compare->add_option("--columns", comparison.columns, "Videos per row, 0 for about a square")
-        ->check(CLI::Range(0, 64))
-        ->capture_default_str();
-    compare->add_option("--cell-width", comparison.cell_width, "Pixels, the most that one video gets")
-        ->check(CLI::Range(16, 2048))
-        ->capture_default_str();
+    compare.add_option("VIDEO", comparison.videos, "Videos of pm-render, two or more").required();
+    compare.add_option("--out", comparison.out, "Video to write, .mp4").required().check(is_mp4);
+    compare.add_option("--title", comparison.titles, "Once per video; made from their names when absent")
+        .expected(1)
+        .take_all();
+    compare.add_option("--columns", comparison.columns, "Videos per row, 0 for about a square")
+        .between(0, 64)
+        .capture_default_str();
+    compare.add_option("--cell-width", comparison.cell_width, "Pixels, the most that one video gets")
+        .between(16, 2048)
+        .capture_default_str();
   };
   tool.work = [&](const CommonOptions&) {
-    if (compare->parsed()) {
+    if (compare.parsed()) {
       splat::write_comparison(comparison);
       return static_cast<int>(ExitCode::done);
     }

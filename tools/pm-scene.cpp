@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   std::vector<double> crop;
   bundle::ImportOptions import;
   bool true_masks = false;
-  CLI::App *synth_command = nullptr, *import_command = nullptr, *slice_command = nullptr, *info_command = nullptr;
+  Command synth_command, import_command, slice_command, info_command;
 
   ToolMain tool;
   tool.name = "pm-scene";
@@ -23,52 +23,51 @@ int main(int argc, char** argv) {
       "Examples: pm-scene synth examples/cake.json --out runs/cake/scene\n"
       "          pm-scene import guitar.compressed.ply --up=-y --prompt \"the guitar falls onto the floor\" --out DIR\n"
       "Reads:    example.json, .ply, .compressed.ply, .spz, .splat    Writes: scene.json, gaussians.ply, views/*.png";
-  tool.options = [&](CLI::App& app) {
+  tool.options = [&](Command app) {
     app.require_subcommand(1);
     app.fallthrough();
     synth_command = app.add_subcommand("synth", "A bundle from a scene described by primitives");
-    synth_command->add_option("EXAMPLE", example, "The description (docs/scenes.md)")->required();
-    synth_command->add_option("--out", folder, "Folder of the bundle")->required();
-    synth_command->add_flag("--true-masks", true_masks, "Also write the true masks, true-masks/VIEW/OBJECT/PART.png");
+    synth_command.add_option("EXAMPLE", example, "The description (docs/scenes.md)").required();
+    synth_command.add_option("--out", folder, "Folder of the bundle").required();
+    synth_command.add_flag("--true-masks", true_masks, "Also write the true masks, true-masks/VIEW/OBJECT/PART.png");
 
     import_command = app.add_subcommand("import", "A bundle from a file of 3D Gaussians");
-    import_command->add_option("FILE", import.gaussians, "3DGS .ply, SuperSplat .compressed.ply, .spz, or .splat")
-        ->required();
-    import_command->add_option("--prompt", import.prompt, "What shall happen")->required();
-    import_command->add_option("--out", folder, "Folder of the bundle")->required();
+    import_command.add_option("FILE", import.gaussians, "3DGS .ply, SuperSplat .compressed.ply, .spz, or .splat")
+        .required();
+    import_command.add_option("--prompt", import.prompt, "What shall happen").required();
+    import_command.add_option("--out", folder, "Folder of the bundle").required();
     import_command
-        ->add_option("--up", import.up,
-                     "Scene axis that points up; when absent z in nerfstudio's frame, y for .spz, -y else")
-        ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
+        .add_option("--up", import.up,
+                    "Scene axis that points up; when absent z in nerfstudio's frame, y for .spz, -y else")
+        .one_of({"x", "y", "z", "-x", "-y", "-z"});
     import_command
-        ->add_option("--opacity-threshold", import.selection.opacity_threshold,
-                     "Take Gaussians of a higher opacity only")
-        ->check(CLI::Range(0.0, 1.0));
-    import_command->add_option("--crop", crop, "Take Gaussians inside x0 x1 y0 y1 z0 z1 only, scene units")
-        ->expected(6);
-    CLI::Option* views = import_command->add_option("--views", import.views, "Folder with images of your own");
+        .add_option("--opacity-threshold", import.selection.opacity_threshold,
+                    "Take Gaussians of a higher opacity only")
+        .between(0.0, 1.0);
+    import_command.add_option("--crop", crop, "Take Gaussians inside x0 x1 y0 y1 z0 z1 only, scene units").expected(6);
+    Option views = import_command.add_option("--views", import.views, "Folder with images of your own");
     import_command
-        ->add_option("--cameras", import.cameras,
-                     "Their cameras: JSON list of four {name, image, camera}, transforms.json, 3DGS cameras.json, or "
-                     "a COLMAP model's folder")
-        ->needs(views);
-    views->needs("--cameras");
+        .add_option("--cameras", import.cameras,
+                    "Their cameras: JSON list of four {name, image, camera}, transforms.json, 3DGS cameras.json, or "
+                    "a COLMAP model's folder")
+        .needs(views);
+    views.needs("--cameras");
     import_command
-        ->add_option("--dataparser-transforms", import.dataparser,
-                     "nerfstudio's dataparser_transforms.json for --cameras, or none; the one beside FILE or the "
-                     "cameras when absent")
-        ->needs("--cameras");
-    import_command->add_option("--inventory", import.inventory, "Authored inventory");
-    import_command->add_option("--masks", import.masks, "Authored masks: VIEW/OBJECT.png, VIEW/OBJECT/PART.png");
-    import_command->add_option("--run", import.run, "Run specification; what it leaves out has its default");
-    import_command->add_option("--physgaussian", import.physgaussian,
-                               "PhysGaussian configuration to take the run specification from");
-    import_command->add_option("--name", import.name, "Id of the scene [a-z0-9-]; made from FILE when absent");
-    import_command->add_option("--drop", import.drop, "Height above the floor that is added, solver units")
-        ->check(CLI::Range(0.0, 1.0))
-        ->capture_default_str();
+        .add_option("--dataparser-transforms", import.dataparser,
+                    "nerfstudio's dataparser_transforms.json for --cameras, or none; the one beside FILE or the "
+                    "cameras when absent")
+        .needs("--cameras");
+    import_command.add_option("--inventory", import.inventory, "Authored inventory");
+    import_command.add_option("--masks", import.masks, "Authored masks: VIEW/OBJECT.png, VIEW/OBJECT/PART.png");
+    import_command.add_option("--run", import.run, "Run specification; what it leaves out has its default");
+    import_command.add_option("--physgaussian", import.physgaussian,
+                              "PhysGaussian configuration to take the run specification from");
+    import_command.add_option("--name", import.name, "Id of the scene [a-z0-9-]; made from FILE when absent");
+    import_command.add_option("--drop", import.drop, "Height above the floor that is added, solver units")
+        .between(0.0, 1.0)
+        .capture_default_str();
     const auto add_angle = [&](const char* flag, double& value, double limit, const char* text) {
-      import_command->add_option(flag, value, text)->check(CLI::Range(-limit, limit))->capture_default_str();
+      import_command.add_option(flag, value, text).between(-limit, limit).capture_default_str();
     };
     add_angle("--view-elevation", import.view_elevation, 80, "Of the four views that are rendered, degrees");
     add_angle("--azimuth", import.azimuth, 360, "Of the output camera, degrees from the front to the right");
@@ -76,23 +75,23 @@ int main(int argc, char** argv) {
 
     slice_command =
         app.add_subcommand("slice", "One slice of scene.json per stage, each rewritten only when it changes");
-    slice_command->add_option("--scene", scene, "scene.json")->required();
-    slice_command->add_option("--set", settings, "Run setting KEY=VALUE, such as screening.tau=0.6")
-        ->expected(1)
-        ->take_all();
-    slice_command->add_option("--overrides", overrides_file, "Run specification whose fields win over the scene's");
-    slice_command->add_option("--out", folder, "Folder of the slices")->required();
+    slice_command.add_option("--scene", scene, "scene.json").required();
+    slice_command.add_option("--set", settings, "Run setting KEY=VALUE, such as screening.tau=0.6")
+        .expected(1)
+        .take_all();
+    slice_command.add_option("--overrides", overrides_file, "Run specification whose fields win over the scene's");
+    slice_command.add_option("--out", folder, "Folder of the slices").required();
 
     info_command = app.add_subcommand("info", "What a file of Gaussians or a scene.json holds");
-    info_command->add_option("FILE", described, "A file of Gaussians, or scene.json")->required();
+    info_command.add_option("FILE", described, "A file of Gaussians, or scene.json").required();
   };
   tool.work = [&](const CommonOptions&) {
     import.folder = folder;
     if (!crop.empty()) import.selection.crop = bundle::crop_box(crop, "--crop");
-    if (synth_command->parsed()) bundle::write_synth_bundle(example, folder, true_masks);
-    if (import_command->parsed()) bundle::write_import_bundle(import);
-    if (slice_command->parsed()) write_slices(scene, run_overrides(overrides_file, settings), folder);
-    if (info_command->parsed()) bundle::print_report(described);
+    if (synth_command.parsed()) bundle::write_synth_bundle(example, folder, true_masks);
+    if (import_command.parsed()) bundle::write_import_bundle(import);
+    if (slice_command.parsed()) write_slices(scene, run_overrides(overrides_file, settings), folder);
+    if (info_command.parsed()) bundle::print_report(described);
     return 0;
   };
   return run_tool(argc, argv, tool);

@@ -230,21 +230,21 @@ int main(int argc, char** argv) {
       "Reads physmas/scene, plan, evidence, inventory, round, candidate, execution, render; writes physmas/screen and, "
       "on acceptance, physmas/accepted and the video (both are removed when nothing is accepted). Exit code 6: no "
       "candidate was admitted in the last round, or the audit failed.";
-  tool.options = [&](CLI::App& app) {
-    app.add_option("--scene", options.scene, "scene.json or its slice")->type_name("FILE");
-    app.add_option("--plan", options.plan, "plan.json")->type_name("FILE");
-    app.add_option("--evidence", options.evidence, "evidence.json")->type_name("FILE");
-    app.add_option("--inventory", options.inventory, "inventory.json")->type_name("FILE");
-    app.add_option("--candidates", options.candidates, "Folder with roundK.json and ID.json")->type_name("DIR");
-    app.add_option("--rollouts", options.rollouts, "Folder with the execution records ID.json")->type_name("DIR");
+  tool.options = [&](Command app) {
+    app.add_option("--scene", options.scene, "scene.json or its slice").type_name("FILE");
+    app.add_option("--plan", options.plan, "plan.json").type_name("FILE");
+    app.add_option("--evidence", options.evidence, "evidence.json").type_name("FILE");
+    app.add_option("--inventory", options.inventory, "inventory.json").type_name("FILE");
+    app.add_option("--candidates", options.candidates, "Folder with roundK.json and ID.json").type_name("DIR");
+    app.add_option("--rollouts", options.rollouts, "Folder with the execution records ID.json").type_name("DIR");
     app.add_option("--videos", options.videos, "Folder with the render records ID.json and the videos")
-        ->type_name("DIR");
-    app.add_option("--round", options.round, "The round N that has been executed")->check(CLI::Range(0, 2));
-    app.add_option("--out", options.out, "screen/roundN.json to write, or to print")->type_name("FILE");
-    app.add_option("--accepted", options.accepted, "accepted.json to write on acceptance")->type_name("FILE");
-    app.add_option("--final", options.final_video, "Copy of the accepted video to write")->type_name("FILE");
+        .type_name("DIR");
+    app.add_option("--round", options.round, "The round N that has been executed").between(0, 2);
+    app.add_option("--out", options.out, "screen/roundN.json to write, or to print").type_name("FILE");
+    app.add_option("--accepted", options.accepted, "accepted.json to write on acceptance").type_name("FILE");
+    app.add_option("--final", options.final_video, "Copy of the accepted video to write").type_name("FILE");
     app.add_option("--table", options.table, "Folders of runs: write what became of them to --out, tab-separated")
-        ->type_name("DIR...");
+        .type_name("DIR...");
     app.add_flag("--explain", options.explain, "Print the round as a table; with --out alone, a record that is there");
   };
   tool.work = [&](const CommonOptions&) { return work(options); };

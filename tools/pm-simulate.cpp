@@ -91,39 +91,39 @@ int main(int argc, char** argv) {
        "Example: pm-simulate --scene scene.json --state state.h5 --candidate candidates/posterior.json --out "
        "rollouts/posterior.h5\n"
        "Reads physmas/scene/1, state/1, candidate/1; writes physmas/rollout/1 and physmas/execution/1 beside it.",
-       [&](CLI::App& app) {
-         app.add_option("--scene", options.scene, "Scene or its simulate slice")->required();
-         app.add_option("--state", options.state, "Labels and particles")->required();
-         app.add_option("--candidate", options.candidate, "Candidate to simulate")->required();
+       [&](Command app) {
+         app.add_option("--scene", options.scene, "Scene or its simulate slice").required();
+         app.add_option("--state", options.state, "Labels and particles").required();
+         app.add_option("--candidate", options.candidate, "Candidate to simulate").required();
          app.add_option("--out", options.out, "Rollout to write, .h5; the record goes beside it")
-             ->required()
-             ->check([](const std::string& path) {
+             .required()
+             .check([](const std::string& path) {
                return fs::path(path).extension() == ".h5" ? std::string() : "--out: expected a name that ends in .h5";
              });
          app.add_option("--timestep", options.timestep,
                         "paper (the candidate's substeps), cfl (as small as stability asks, changing with the state), "
                         "or seconds; the run's time.rule by default")
-             ->group("Numerics");
+             .group("Numerics");
          app.add_option("--max-steps", options.max_steps, "Substeps after which, or in view of which, the run ends")
-             ->check(CLI::Range(1LL, 1000000000000LL))
-             ->capture_default_str()
-             ->group("Numerics");
+             .between(1LL, 1000000000000LL)
+             .capture_default_str()
+             .group("Numerics");
          app.add_option("--precision", options.precision, "float or double")
-             ->check(CLI::IsMember({"float", "double"}))
-             ->capture_default_str()
-             ->group("Numerics");
+             .one_of({"float", "double"})
+             .capture_default_str()
+             .group("Numerics");
          app.add_option("--energy", options.energy,
                         "Energy balance: off, at output frames, or the budget of all substeps (several times slower)")
-             ->check(CLI::IsMember({"off", "frames", "steps"}))
-             ->capture_default_str()
-             ->group("Numerics");
+             .one_of({"off", "frames", "steps"})
+             .capture_default_str()
+             .group("Numerics");
          app.add_option("--grid", options.grid, "Cells per axis instead of the run's")
-             ->check(CLI::Range(16, 512))
-             ->group("Numerics");
+             .between(16, 512)
+             .group("Numerics");
          app.add_option("--frames", options.frames, "Output frames instead of the run's, rest frame included")
-             ->check(CLI::Range(1, 10000))
-             ->group("Numerics");
-         app.add_flag("--strict", options.strict, "Exit with 5 when the simulation diverges")->group("Numerics");
+             .between(1, 10000)
+             .group("Numerics");
+         app.add_flag("--strict", options.strict, "Exit with 5 when the simulation diverges").group("Numerics");
        },
        [&](const CommonOptions& common) { return simulate(options, common); }});
 }

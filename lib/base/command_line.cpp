@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <CLI/CLI.hpp>
 #include <csignal>
 #include <new>
+#include <utility>
 
 #include "base/error.h"
 #include "base/kernels.h"
@@ -33,6 +35,102 @@ void last_value_wins(CLI::App& app) {
 
 }  // namespace
 
+Option Option::required() const {
+  return Option(option_->required());
+}
+
+Option Option::check(const std::function<std::string(const std::string&)>& refusal) const {
+  return Option(option_->check(refusal));
+}
+
+template <class Number>
+Option Option::between(Number low, Number high) const {
+  return Option(option_->check(CLI::Range(low, high)));
+}
+template Option Option::between(int, int) const;
+template Option Option::between(long long, long long) const;
+template Option Option::between(double, double) const;
+
+Option Option::not_negative() const {
+  return Option(option_->check(CLI::NonNegativeNumber));
+}
+
+Option Option::one_of(const std::vector<std::string>& words) const {
+  return Option(option_->check(CLI::IsMember(words)));
+}
+
+Option Option::needs(Option other) const {
+  return Option(option_->needs(other.option_));
+}
+
+Option Option::needs(const std::string& flag) const {
+  return Option(option_->needs(flag));
+}
+
+Option Option::excludes(Option other) const {
+  return Option(option_->excludes(other.option_));
+}
+
+Option Option::expected(int values) const {
+  return Option(option_->expected(values));
+}
+
+Option Option::take_all() const {
+  return Option(option_->take_all());
+}
+
+Option Option::type_name(const std::string& name) const {
+  return Option(option_->type_name(name));
+}
+
+Option Option::group(const std::string& title) const {
+  return Option(option_->group(title));
+}
+
+Option Option::capture_default_str() const {
+  return Option(option_->capture_default_str());
+}
+
+template <class Value>
+Option Command::add_option(const std::string& flag, Value& value, const std::string& text) const {
+  return Option(app_->add_option(flag, value, text));
+}
+template Option Command::add_option(const std::string&, std::string&, const std::string&) const;
+template Option Command::add_option(const std::string&, int&, const std::string&) const;
+template Option Command::add_option(const std::string&, long&, const std::string&) const;
+template Option Command::add_option(const std::string&, long long&, const std::string&) const;
+template Option Command::add_option(const std::string&, double&, const std::string&) const;
+template Option Command::add_option(const std::string&, std::vector<std::string>&, const std::string&) const;
+template Option Command::add_option(const std::string&, std::vector<double>&, const std::string&) const;
+
+Option Command::add_flag(const std::string& flag, bool& value, const std::string& text) const {
+  return Option(app_->add_flag(flag, value, text));
+}
+
+Command Command::add_subcommand(const std::string& name, const std::string& text) const {
+  return Command(app_->add_subcommand(name, text));
+}
+
+Command Command::add_option_group(const std::string& name, const std::string& text) const {
+  return Command(app_->add_option_group(name, text));
+}
+
+Command Command::require_subcommand(int count) const {
+  return Command(app_->require_subcommand(count));
+}
+
+Command Command::require_option(int count) const {
+  return Command(app_->require_option(count));
+}
+
+Command Command::fallthrough() const {
+  return Command(app_->fallthrough());
+}
+
+bool Command::parsed() const {
+  return app_->parsed();
+}
+
 int run_tool(int argc, char** argv, const ToolMain& tool) {
   set_tool_name(tool.name);
   // A write to a closed pipe must be an error that we report, not a silent death.
@@ -45,7 +143,7 @@ int run_tool(int argc, char** argv, const ToolMain& tool) {
   app.get_formatter()->column_width(34);
   // Common options may stand after a subcommand, too.
   app.fallthrough();
-  tool.options(app);
+  tool.options(Command(&app));
   app.add_option("--threads", common.threads, "Number of threads, 0 for all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str()

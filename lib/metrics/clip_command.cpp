@@ -78,22 +78,22 @@ int clip(const ClipOptions& options) {
 
 }  // namespace
 
-Subcommand add_clip_command(CLI::App& app) {
+Subcommand add_clip_command(Command app) {
   const auto options = std::make_shared<ClipOptions>();
-  CLI::App* command = app.add_subcommand("clip", "CLIP similarity of a video and its complete motion prompt");
-  CLI::Option* file =
-      command->add_option("--embeddings", options->embeddings, "text [D] and frames [T,D] from a .npz or JSON file");
-  command->add_option("--video", options->video, "Video whose frames are encoded")->excludes(file);
-  command->add_option("--prompt", options->prompt, "The complete motion prompt")->excludes(file);
-  command->add_option("--merges", options->merges, "CLIP's bpe_simple_vocab_16e6.txt, unpacked")->excludes(file);
+  Command command = app.add_subcommand("clip", "CLIP similarity of a video and its complete motion prompt");
+  Option file =
+      command.add_option("--embeddings", options->embeddings, "text [D] and frames [T,D] from a .npz or JSON file");
+  command.add_option("--video", options->video, "Video whose frames are encoded").excludes(file);
+  command.add_option("--prompt", options->prompt, "The complete motion prompt").excludes(file);
+  command.add_option("--merges", options->merges, "CLIP's bpe_simple_vocab_16e6.txt, unpacked").excludes(file);
   command
-      ->add_option("--image-encoder", options->image_encoder,
-                   "Model behind Open Inference Protocol v2: pixel_values [1,3,224,224] to image_embeds [1,D]")
-      ->excludes(file);
-  command->add_option("--text-encoder", options->text_encoder, "As above: input_ids [1,77] to text_embeds [1,D]")
-      ->excludes(file);
-  command->add_option("--out", options->out, "Metrics to write")->required();
-  remote::add_remote_options(*command, options->remote);
+      .add_option("--image-encoder", options->image_encoder,
+                  "Model behind Open Inference Protocol v2: pixel_values [1,3,224,224] to image_embeds [1,D]")
+      .excludes(file);
+  command.add_option("--text-encoder", options->text_encoder, "As above: input_ids [1,77] to text_embeds [1,D]")
+      .excludes(file);
+  command.add_option("--out", options->out, "Metrics to write").required();
+  remote::add_remote_options(command, options->remote);
   return {command, [options](const CommonOptions&) { return clip(*options); }};
 }
 

@@ -12,17 +12,17 @@
 namespace physmas::metrics {
 
 // Our own runs.
-Subcommand add_motion_command(CLI::App& app);
-Subcommand add_silhouettes_command(CLI::App& app);  // target masks
-Subcommand add_labels_command(CLI::App& app);       // of a synthesised scene
+Subcommand add_motion_command(Command app);
+Subcommand add_silhouettes_command(Command app);  // target masks
+Subcommand add_labels_command(Command app);       // of a synthesised scene
 
 // Anyone's results.
-Subcommand add_tracks_command(CLI::App& app);   // motion metrics of tracks from files
-Subcommand add_flow_command(CLI::App& app);     // motion metrics of videos by optical flow
-Subcommand add_tracker_command(CLI::App& app);  // motion metrics of videos by a tracker on a model server
-Subcommand add_clip_command(CLI::App& app);
-Subcommand add_study_command(CLI::App& app);  // a blinded page for respondents
-Subcommand add_upr_command(CLI::App& app);    // user preference rates from their answers
+Subcommand add_tracks_command(Command app);   // motion metrics of tracks from files
+Subcommand add_flow_command(Command app);     // motion metrics of videos by optical flow
+Subcommand add_tracker_command(Command app);  // motion metrics of videos by a tracker on a model server
+Subcommand add_clip_command(Command app);
+Subcommand add_study_command(Command app);  // a blinded page for respondents
+Subcommand add_upr_command(Command app);    // user preference rates from their answers
 
 // Writes the three motion metrics as metrics.json and as lines on stdout. exchanges: with the tracker.
 void report_motion(const std::string& out, const std::string& target, const Measurement& trajectory,

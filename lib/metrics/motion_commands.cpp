@@ -16,13 +16,13 @@ struct PairOptions {
   int width = 0, height = 0;
 };
 
-void add_pair_options(CLI::App& command, PairOptions& options, bool masks_required) {
-  CLI::Option* masks = command.add_option("--reference-masks", options.reference_masks,
-                                          "Folder of the reference's target masks, one PNG per frame");
-  if (masks_required) masks->required();
-  command.add_option("--masks", options.masks, "Folder of the target masks of what is measured")->needs(masks);
+void add_pair_options(Command command, PairOptions& options, bool masks_required) {
+  Option masks = command.add_option("--reference-masks", options.reference_masks,
+                                    "Folder of the reference's target masks, one PNG per frame");
+  if (masks_required) masks.required();
+  command.add_option("--masks", options.masks, "Folder of the target masks of what is measured").needs(masks);
   command.add_option("--target", options.target, "What is measured: an object id, for pm-eval aggregate");
-  command.add_option("--out", options.out, "Metrics to write")->required();
+  command.add_option("--out", options.out, "Metrics to write").required();
 }
 
 // Points count inside their masks, where there are any; without both there is no area to compare.
@@ -82,16 +82,14 @@ void report_motion(const std::string& out, const std::string& target, const Meas
   save_metrics(out, target, metrics, provenance, exchanges);
 }
 
-Subcommand add_tracks_command(CLI::App& app) {
+Subcommand add_tracks_command(Command app) {
   const auto options = std::make_shared<PairOptions>();
-  CLI::App* command = app.add_subcommand("tracks", "Motion metrics of point tracks from files (.npz or JSON)");
-  command
-      ->add_option("--reference", options->reference, "Tracks of the reference: tracks [1,T,N,2], visibility [1,T,N]")
-      ->required();
-  command->add_option("--tracks", options->measured, "Tracks of the video to measure, from the same queries")
-      ->required();
-  command->add_option("--width", options->width, "Pixels of the videos")->required()->check(CLI::Range(1, 16384));
-  command->add_option("--height", options->height, "Pixels of the videos")->required()->check(CLI::Range(1, 16384));
+  Command command = app.add_subcommand("tracks", "Motion metrics of point tracks from files (.npz or JSON)");
+  command.add_option("--reference", options->reference, "Tracks of the reference: tracks [1,T,N,2], visibility [1,T,N]")
+      .required();
+  command.add_option("--tracks", options->measured, "Tracks of the video to measure, from the same queries").required();
+  command.add_option("--width", options->width, "Pixels of the videos").required().between(1, 16384);
+  command.add_option("--height", options->height, "Pixels of the videos").required().between(1, 16384);
   add_pair_options(*command, *options, false);
   return {command, [options](const CommonOptions&) {
             return measure(*options, "file", load_tracks(options->reference, options->width, options->height),
@@ -99,11 +97,11 @@ Subcommand add_tracks_command(CLI::App& app) {
           }};
 }
 
-Subcommand add_flow_command(CLI::App& app) {
+Subcommand add_flow_command(Command app) {
   const auto options = std::make_shared<PairOptions>();
-  CLI::App* command = app.add_subcommand("flow", "Motion metrics of two videos, tracked by optical flow");
-  command->add_option("--reference", options->reference, "Video of the reference")->required();
-  command->add_option("--video", options->measured, "Video to measure")->required();
+  Command command = app.add_subcommand("flow", "Motion metrics of two videos, tracked by optical flow");
+  command.add_option("--reference", options->reference, "Video of the reference").required();
+  command.add_option("--video", options->measured, "Video to measure").required();
   add_pair_options(*command, *options, true);
   return {command, [options](const CommonOptions&) {
             const std::vector<QueryPixel> queries = query_pixels(load_masks(options->reference_masks).front());
@@ -112,17 +110,17 @@ Subcommand add_flow_command(CLI::App& app) {
           }};
 }
 
-Subcommand add_tracker_command(CLI::App& app) {
+Subcommand add_tracker_command(Command app) {
   const auto options = std::make_shared<TrackerOptions>();
-  CLI::App* command = app.add_subcommand("tracker", "Motion metrics of two videos, tracked by a model server");
-  command->add_option("--reference", options->reference, "Video of the reference")->required();
-  command->add_option("--video", options->measured, "Video to measure")->required();
+  Command command = app.add_subcommand("tracker", "Motion metrics of two videos, tracked by a model server");
+  command.add_option("--reference", options->reference, "Video of the reference").required();
+  command.add_option("--video", options->measured, "Video to measure").required();
   command
-      ->add_option("--tracker", options->tracker,
-                   "Model behind Open Inference Protocol v2: frames and queries to tracks and visibility")
-      ->required();
+      .add_option("--tracker", options->tracker,
+                  "Model behind Open Inference Protocol v2: frames and queries to tracks and visibility")
+      .required();
   add_pair_options(*command, *options, true);
-  remote::add_remote_options(*command, options->remote);
+  remote::add_remote_options(command, options->remote);
   return {command, [options](const CommonOptions&) { return tracker(*options); }};
 }
 

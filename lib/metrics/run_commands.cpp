@@ -18,11 +18,11 @@ struct RunOptions {
   std::string scene, inventory, state, rollout, reference, target, out;
 };
 
-void add_run_options(CLI::App& command, RunOptions& options, const char* rollout) {
-  command.add_option("--scene", options.scene, "Scene with the Gaussians and output cameras")->required();
-  command.add_option("--inventory", options.inventory, "Objects and parts")->required();
-  command.add_option("--state", options.state, "Labels and the solver map")->required();
-  command.add_option("--rollout", options.rollout, rollout)->required();
+void add_run_options(Command command, RunOptions& options, const char* rollout) {
+  command.add_option("--scene", options.scene, "Scene with the Gaussians and output cameras").required();
+  command.add_option("--inventory", options.inventory, "Objects and parts").required();
+  command.add_option("--state", options.state, "Labels and the solver map").required();
+  command.add_option("--rollout", options.rollout, rollout).required();
   command.add_option("--target", options.target, "Object id or row key; the whole scene by default");
 }
 
@@ -101,32 +101,32 @@ int labels(const LabelOptions& options) {
 
 }  // namespace
 
-Subcommand add_motion_command(CLI::App& app) {
+Subcommand add_motion_command(Command app) {
   const auto options = std::make_shared<RunOptions>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("motion", "Trajectory, area and strain errors against a reference rollout of the same state");
   add_run_options(*command, *options, "Rollout to measure");
-  command->add_option("--reference", options->reference, "Rollout to measure against")->required();
-  command->add_option("--out", options->out, "Metrics to write")->required();
+  command.add_option("--reference", options->reference, "Rollout to measure against").required();
+  command.add_option("--out", options->out, "Metrics to write").required();
   return {command, [options](const CommonOptions&) { return motion(*options); }};
 }
 
-Subcommand add_silhouettes_command(CLI::App& app) {
+Subcommand add_silhouettes_command(Command app) {
   const auto options = std::make_shared<RunOptions>();
-  CLI::App* command = app.add_subcommand("silhouettes", "Target masks of a rollout, one PNG per frame");
+  Command command = app.add_subcommand("silhouettes", "Target masks of a rollout, one PNG per frame");
   add_run_options(*command, *options, "Rollout to draw");
-  command->add_option("--out", options->out, "Folder for the masks")->required();
+  command.add_option("--out", options->out, "Folder for the masks").required();
   return {command, [options](const CommonOptions&) { return silhouettes(*options); }};
 }
 
-Subcommand add_labels_command(CLI::App& app) {
+Subcommand add_labels_command(Command app) {
   const auto options = std::make_shared<LabelOptions>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("labels", "Row labels of a synthesised scene against its truth, with a confusion table");
-  command->add_option("--scene", options->scene, "scene.json of the bundle, with truth.h5 beside it")->required();
-  command->add_option("--inventory", options->inventory, "inventory.json of pm-ground")->required();
-  command->add_option("--state", options->state, "state.h5 of pm-lift")->required();
-  command->add_option("--out", options->out, "Record to write (JSON)")->required();
+  command.add_option("--scene", options->scene, "scene.json of the bundle, with truth.h5 beside it").required();
+  command.add_option("--inventory", options->inventory, "inventory.json of pm-ground").required();
+  command.add_option("--state", options->state, "state.h5 of pm-lift").required();
+  command.add_option("--out", options->out, "Record to write (JSON)").required();
   return {command, [options](const CommonOptions&) { return labels(*options); }};
 }
 

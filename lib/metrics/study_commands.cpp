@@ -65,25 +65,24 @@ int upr(const UprOptions& options) {
 
 }  // namespace
 
-Subcommand add_study_command(CLI::App& app) {
+Subcommand add_study_command(Command app) {
   const auto options = std::make_shared<StudyOptions>();
-  CLI::App* command = app.add_subcommand("study", "Make a blinded forced-choice page from the videos of an evaluation");
-  command->add_option("--manifest", options->manifest, "evaluation.json")->required();
-  command->add_option("--study", options->study, "Which methods stand side by side")
-      ->check(CLI::IsMember({"comparison", "ablation"}));
-  command->add_option("--seed", options->seed, "Any text; another one gives other codes");
-  command->add_option("--out", options->out, "Folder for page/ and key.json")->required();
+  Command command = app.add_subcommand("study", "Make a blinded forced-choice page from the videos of an evaluation");
+  command.add_option("--manifest", options->manifest, "evaluation.json").required();
+  command.add_option("--study", options->study, "Which methods stand side by side").one_of({"comparison", "ablation"});
+  command.add_option("--seed", options->seed, "Any text; another one gives other codes");
+  command.add_option("--out", options->out, "Folder for page/ and key.json").required();
   return {command, [options](const CommonOptions&) { return study(*options); }};
 }
 
-Subcommand add_upr_command(CLI::App& app) {
+Subcommand add_upr_command(Command app) {
   const auto options = std::make_shared<UprOptions>();
-  CLI::App* command = app.add_subcommand("upr", "User preference rates, with intervals, from the answers of a study");
-  command->add_option("--key", options->key, "key.json of the study")->required();
-  command->add_option("--answers", options->answers, "Answer files, one per respondent")->required();
-  command->add_option("--resamples", options->resamples, "Bootstrap draws")->check(CLI::Range(1, 1000000));
-  command->add_option("--seed", options->seed, "Of the draws")->check(CLI::NonNegativeNumber);
-  command->add_option("--out", options->out, "upr.json to write")->required();
+  Command command = app.add_subcommand("upr", "User preference rates, with intervals, from the answers of a study");
+  command.add_option("--key", options->key, "key.json of the study").required();
+  command.add_option("--answers", options->answers, "Answer files, one per respondent").required();
+  command.add_option("--resamples", options->resamples, "Bootstrap draws").between(1, 1000000);
+  command.add_option("--seed", options->seed, "Of the draws").not_negative();
+  command.add_option("--out", options->out, "upr.json to write").required();
   return {command, [options](const CommonOptions&) { return upr(*options); }};
 }
 

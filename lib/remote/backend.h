@@ -3,12 +3,15 @@
 #ifndef PHYSMAS_REMOTE_BACKEND_H
 #define PHYSMAS_REMOTE_BACKEND_H
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "remote/exchange.h"
+
+namespace physmas {
+class Command;
+}
 
 namespace physmas::remote {
 
@@ -34,7 +37,7 @@ struct RemoteOptions {
   int retries = 3;        // how often a request is sent again
   double backoff = 1;     // seconds before the first of these; doubles up to 30
 };
-void add_remote_options(CLI::App& app, RemoteOptions& options);
+void add_remote_options(Command app, RemoteOptions& options);
 
 enum class BackendKind { builtin, file, remote, recorded };
 

@@ -7,9 +7,9 @@
 
 namespace physmas::studies {
 
-Subcommand add_accuracy_command(CLI::App& app, const PaperStep& paper_step);
-Subcommand add_stability_command(CLI::App& app, const PaperStep& paper_step);
-Subcommand add_verification_command(CLI::App& app);
+Subcommand add_accuracy_command(Command app, const PaperStep& paper_step);
+Subcommand add_stability_command(Command app, const PaperStep& paper_step);
+Subcommand add_verification_command(Command app);
 
 }  // namespace physmas::studies
 

@@ -110,31 +110,31 @@ int stability(const StabilityOptions& options, const PaperStep& paper_step, cons
 
 }  // namespace
 
-Subcommand add_accuracy_command(CLI::App& app, const PaperStep& paper_step) {
+Subcommand add_accuracy_command(Command app, const PaperStep& paper_step) {
   const auto options = std::make_shared<AccuracyOptions>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("accuracy", "Error of the solver against run time over grid, step, precision and threads");
-  command->add_option("--out", options->out, "Folder for accuracy.json, accuracy.csv and the plots")->required();
-  command->add_option("--case", options->only, "Only this case");
-  command->add_flag("--quick", options->quick, "Coarse grids, few steps, one repeat: a few seconds");
+  command.add_option("--out", options->out, "Folder for accuracy.json, accuracy.csv and the plots").required();
+  command.add_option("--case", options->only, "Only this case");
+  command.add_flag("--quick", options->quick, "Coarse grids, few steps, one repeat: a few seconds");
   return {command, [=](const CommonOptions& common) { return accuracy(*options, paper_step, common.device); }};
 }
 
-Subcommand add_verification_command(CLI::App& app) {
+Subcommand add_verification_command(Command app) {
   const auto options = std::make_shared<VerificationOptions>();
-  CLI::App* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "verification", "The solver against analytic answers under refinement: a table, and the same as a record");
-  command->add_option("--out", options->out, "Record to write (JSON)")->required();
-  command->add_flag("--quick", options->quick, "Only the coarsest resolutions");
+  command.add_option("--out", options->out, "Record to write (JSON)").required();
+  command.add_flag("--quick", options->quick, "Only the coarsest resolutions");
   return {command, [options](const CommonOptions& common) { return verification(*options, common.device); }};
 }
 
-Subcommand add_stability_command(CLI::App& app, const PaperStep& paper_step) {
+Subcommand add_stability_command(Command app, const PaperStep& paper_step) {
   const auto options = std::make_shared<StabilityOptions>();
-  CLI::App* command =
+  Command command =
       app.add_subcommand("stability", "Sweep the solver over stiff and extreme input with both step rules");
-  command->add_option("--out", options->out, "Folder for stability.json, stability.csv and heat maps")->required();
-  command->add_flag("--quick", options->quick, "Some dozens of cases instead of all");
+  command.add_option("--out", options->out, "Folder for stability.json, stability.csv and heat maps").required();
+  command.add_flag("--quick", options->quick, "Some dozens of cases instead of all");
   return {command, [=](const CommonOptions& common) { return stability(*options, paper_step, common.device); }};
 }
 

@@ -6,9 +6,9 @@
 
 namespace physmas::tables {
 
-Subcommand add_aggregate_command(CLI::App& app);
-Subcommand add_suite_command(CLI::App& app);    // a registered benchmark against its hashes
-Subcommand add_collect_command(CLI::App& app);  // its evaluation.json
+Subcommand add_aggregate_command(Command app);
+Subcommand add_suite_command(Command app);    // a registered benchmark against its hashes
+Subcommand add_collect_command(Command app);  // its evaluation.json
 
 }  // namespace physmas::tables
 

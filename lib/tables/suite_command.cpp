@@ -43,24 +43,24 @@ int collect(const SuiteOptions& options) {
 
 }  // namespace
 
-Subcommand add_suite_command(CLI::App& app) {
+Subcommand add_suite_command(Command app) {
   const auto options = std::make_shared<SuiteOptions>();
-  CLI::App* command = app.add_subcommand("suite", "Check a registered benchmark against its hashes");
-  command->add_option("--suite", options->suite, "suite.json, with suite.sha256 beside it")->required();
-  command->add_flag("--register", options->registers, "Write suite.sha256 for the files as they are now");
-  command->add_option("--cases", options->cases, "Only these in the makefile");
-  command->add_option("--makefile", options->makefile, "Also write what pipelines/evaluate.mk needs to know");
+  Command command = app.add_subcommand("suite", "Check a registered benchmark against its hashes");
+  command.add_option("--suite", options->suite, "suite.json, with suite.sha256 beside it").required();
+  command.add_flag("--register", options->registers, "Write suite.sha256 for the files as they are now");
+  command.add_option("--cases", options->cases, "Only these in the makefile");
+  command.add_option("--makefile", options->makefile, "Also write what pipelines/evaluate.mk needs to know");
   return {command, [options](const CommonOptions&) { return check_suite(*options); }};
 }
 
-Subcommand add_collect_command(CLI::App& app) {
+Subcommand add_collect_command(Command app) {
   const auto options = std::make_shared<SuiteOptions>();
-  CLI::App* command = app.add_subcommand("collect", "Make evaluation.json of the results of a registered benchmark");
-  command->add_option("--suite", options->suite, "suite.json")->required();
-  command->add_option("--results", options->results, "Folder of the evaluation: results/CASE/METHOD/result.tsv")
-      ->required();
-  command->add_option("--cases", options->cases, "Only these");
-  command->add_option("--out", options->out, "evaluation.json to write; in the folder of the results")->required();
+  Command command = app.add_subcommand("collect", "Make evaluation.json of the results of a registered benchmark");
+  command.add_option("--suite", options->suite, "suite.json").required();
+  command.add_option("--results", options->results, "Folder of the evaluation: results/CASE/METHOD/result.tsv")
+      .required();
+  command.add_option("--cases", options->cases, "Only these");
+  command.add_option("--out", options->out, "evaluation.json to write; in the folder of the results").required();
   return {command, [options](const CommonOptions&) { return collect(*options); }};
 }
 

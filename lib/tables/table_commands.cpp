@@ -58,13 +58,13 @@ int aggregate(const AggregateOptions& options) {
 
 }  // namespace
 
-Subcommand add_aggregate_command(CLI::App& app) {
+Subcommand add_aggregate_command(Command app) {
   const auto options = std::make_shared<AggregateOptions>();
-  CLI::App* command = app.add_subcommand("aggregate", "Tables 1 to 5 of the paper from an evaluation's records");
-  command->add_option("--manifest", options->manifest, "evaluation.json")->required();
-  command->add_option("--upr", options->rates, "upr.json of the comparison and of the ablation");
-  command->add_option("--out", options->out, "Folder for the tables")->required();
-  command->add_flag("--draft", options->draft, "Write tables with \"invalid\" in place of what cannot be computed");
+  Command command = app.add_subcommand("aggregate", "Tables 1 to 5 of the paper from an evaluation's records");
+  command.add_option("--manifest", options->manifest, "evaluation.json").required();
+  command.add_option("--upr", options->rates, "upr.json of the comparison and of the ablation");
+  command.add_option("--out", options->out, "Folder for the tables").required();
+  command.add_flag("--draft", options->draft, "Write tables with \"invalid\" in place of what cannot be computed");
   return {command, [options](const CommonOptions&) { return aggregate(*options); }};
 }
 
