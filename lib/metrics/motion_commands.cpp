@@ -90,7 +90,7 @@ Subcommand add_tracks_command(Command app) {
   command.add_option("--tracks", options->measured, "Tracks of the video to measure, from the same queries").required();
   command.add_option("--width", options->width, "Pixels of the videos").required().between(1, 16384);
   command.add_option("--height", options->height, "Pixels of the videos").required().between(1, 16384);
-  add_pair_options(*command, *options, false);
+  add_pair_options(command, *options, false);
   return {command, [options](const CommonOptions&) {
             return measure(*options, "file", load_tracks(options->reference, options->width, options->height),
                            load_tracks(options->measured, options->width, options->height));
@@ -102,7 +102,7 @@ Subcommand add_flow_command(Command app) {
   Command command = app.add_subcommand("flow", "Motion metrics of two videos, tracked by optical flow");
   command.add_option("--reference", options->reference, "Video of the reference").required();
   command.add_option("--video", options->measured, "Video to measure").required();
-  add_pair_options(*command, *options, true);
+  add_pair_options(command, *options, true);
   return {command, [options](const CommonOptions&) {
             const std::vector<QueryPixel> queries = query_pixels(load_masks(options->reference_masks).front());
             return measure(*options, "optical flow", track_by_flow(options->reference, queries),
@@ -119,7 +119,7 @@ Subcommand add_tracker_command(Command app) {
       .add_option("--tracker", options->tracker,
                   "Model behind Open Inference Protocol v2: frames and queries to tracks and visibility")
       .required();
-  add_pair_options(*command, *options, true);
+  add_pair_options(command, *options, true);
   remote::add_remote_options(command, options->remote);
   return {command, [options](const CommonOptions&) { return tracker(*options); }};
 }

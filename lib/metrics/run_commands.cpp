@@ -105,7 +105,7 @@ Subcommand add_motion_command(Command app) {
   const auto options = std::make_shared<RunOptions>();
   Command command =
       app.add_subcommand("motion", "Trajectory, area and strain errors against a reference rollout of the same state");
-  add_run_options(*command, *options, "Rollout to measure");
+  add_run_options(command, *options, "Rollout to measure");
   command.add_option("--reference", options->reference, "Rollout to measure against").required();
   command.add_option("--out", options->out, "Metrics to write").required();
   return {command, [options](const CommonOptions&) { return motion(*options); }};
@@ -114,7 +114,7 @@ Subcommand add_motion_command(Command app) {
 Subcommand add_silhouettes_command(Command app) {
   const auto options = std::make_shared<RunOptions>();
   Command command = app.add_subcommand("silhouettes", "Target masks of a rollout, one PNG per frame");
-  add_run_options(*command, *options, "Rollout to draw");
+  add_run_options(command, *options, "Rollout to draw");
   command.add_option("--out", options->out, "Folder for the masks").required();
   return {command, [options](const CommonOptions&) { return silhouettes(*options); }};
 }
