@@ -18,7 +18,7 @@ constexpr double kSafe = 2;  // cells
 
 // Particles of two rows, eight per cell and more of them at one end, in some cells of a grid of 16.
 struct Scene {
-  Team team{2};
+  mutable Team team{2};
   StepperSetup setup;
   State state;
 
