@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "bundle/view_rig.h"
 #include "scene/placement.h"
@@ -43,15 +44,17 @@ TEST_CASE("scene axes are rotations, and the front camera looks where the table 
 }
 
 TEST_CASE("a framed camera sees every point, and could not be nearer") {
-  for (const char* up : {"z", "-y"}) {
-    const Framing framing = {up, 40, 0.1, 300, 200};
+  // Wide, so that the upper or lower edge decides, and narrow, so that one at the side does.
+  for (const auto& [up, width, height] :
+       {std::tuple("z", 300, 200), {"-y", 300, 200}, {"z", 100, 200}, {"-y", 100, 200}}) {
+    const Framing framing = {up, 40, 0.1, width, height};
     const Camera camera = frame_points(kCorners, {25, 15}, framing);
     double worst = 0;
     for (const Vector3d& p : kCorners) {
       const Vector3d q = camera.to_camera(p);
       REQUIRE(q.z() > 0);
       const Eigen::Vector2d pixel = camera.project(q);
-      worst = std::max({worst, std::abs(pixel.x() - 150) / 150, std::abs(pixel.y() - 100) / 100});
+      worst = std::max({worst, std::abs(pixel.x() / width - 0.5) * 2, std::abs(pixel.y() / height - 0.5) * 2});
     }
     CHECK(worst == doctest::Approx(0.9).epsilon(1e-9));
   }

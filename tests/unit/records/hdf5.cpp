@@ -95,6 +95,10 @@ TEST_CASE("hdf5: states with impossible contents are refused") {
   CHECK(error([](State&) {}) == "no error");
   CHECK(error([](State& s) { s.row[4] = -1; }).find("/particles/row: found -1 at element 4") != std::string::npos);
   CHECK(error([](State& s) { s.gaussian_row[0] = 7; }).find("/gaussians/row") != std::string::npos);
+  // One behind the last row, object and Gaussian.
+  CHECK(error([](State& s) { s.row[4] = 2; }).find("/particles/row: found 2 at element 4") != std::string::npos);
+  CHECK(error([](State& s) { s.object[4] = 2; }).find("/particles/object: found 2 at element 4") != std::string::npos);
+  CHECK(error([](State& s) { s.source[4] = 3; }).find("/particles/source: found 3 at element 4") != std::string::npos);
   CHECK(error([](State& s) { s.position[3].x() = 2.5f; }).find("/particles/position") != std::string::npos);
   CHECK(error([](State& s) { s.position[3].x() = std::numeric_limits<float>::quiet_NaN(); }).find("finite") !=
         std::string::npos);
