@@ -100,6 +100,21 @@ TEST_CASE("splat: the foreground's box and its dark share") {
   CHECK(found.dark_ratio == 0.5);
 }
 
+TEST_CASE("splat: dark is a foreground pixel whose Rec. 709 luminance is below the limit") {
+  RenderedImage image;
+  image.width = 5;
+  image.height = 1;
+  image.alpha = {1, 1, 1, 1, 0};
+  Image quantized(5, 1, 3);
+  quantized.pixels = {255, 0, 0, 0, 255, 0, 0, 0, 255, 51, 51, 51, 0, 0, 0};  // 0.2126, 0.7152, 0.0722, 0.2
+  const auto dark = [&](double limit) { return measure_foreground(image, quantized, 0, limit).dark_ratio; };
+  CHECK(dark(0.05) == 0);
+  CHECK(dark(0.1) == 0.25);
+  CHECK(dark(0.21) == 0.5);
+  CHECK(dark(0.22) == 0.75);
+  CHECK(dark(0.8) == 1);
+}
+
 TEST_CASE("splat: endpoints are the pictures where one camera sees everything") {
   CHECK(one_ball(0.3f, 0.2f).endpoints().empty());
 }
