@@ -101,6 +101,31 @@ TEST_CASE("lift: a hollow sphere is filled to its volume") {
   for (const Eigen::Vector3f& p : filling.position) CHECK((p - Eigen::Vector3f::Ones()).norm() < 0.5f);
 }
 
+TEST_CASE("lift: what one object encloses inside another belongs to the inner one, whichever comes first") {
+  std::vector<Eigen::Vector3f> points = sphere(8000, 1), inner = sphere(2000, 0.5f);
+  points.insert(points.end(), inner.begin(), inner.end());
+  const Gaussians g = cloud(points, 0.03f);
+  const RunSpecification run = run_with(60, 8, 1000000);
+  const SolverMap map = solver_map(g, run);
+  std::vector<Eigen::Vector3f> means;
+  for (const Eigen::Vector3f& p : g.position) means.push_back(map.to_solver(p.cast<double>()).cast<float>());
+  for (const int32_t of_inner : {0, 1}) {
+    CAPTURE(of_inner);
+    std::vector<int32_t> object(g.size(), 1 - of_inner);
+    std::fill(object.begin() + 8000, object.end(), of_inner);
+    const Filling filling = fill_objects(g, means, object, 2, map, run);
+    std::vector<long> within(2, 0);
+    for (size_t q = 0; q < filling.position.size(); ++q) {
+      // The outer radius is 0.5 in solver space.
+      const bool inside = (filling.position[q] - Eigen::Vector3f::Ones()).norm() < 0.25f;
+      CHECK(filling.object[q] == (inside ? of_inner : 1 - of_inner));
+      ++within[inside ? 0 : 1];
+    }
+    CHECK(within[0] > 500);
+    CHECK(within[1] > 5000);
+  }
+}
+
 TEST_CASE("lift: a hollow box is filled to its volume, whatever the density") {
   const Gaussians g = cloud(box_shell(40), 0.015f);
   for (const int per_cell : {1, 4, 8, 27}) {
