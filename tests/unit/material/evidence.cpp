@@ -211,6 +211,17 @@ TEST_CASE("material: expected guard outcomes") {
     CHECK_FALSE(e.guards[0].applied);
     CHECK(e.label == kWood);
   }
+  SUBCASE("the larger of factor and margin is the cap") {
+    // Foam 0.20: max(0.35, 0.40); Foam 0.30: max(0.525, 0.50).
+    const auto applies = [&](double wood, double foam) {
+      const double rest = 0.5 * (1 - wood - foam);
+      return guarded(row, {{kWood, wood}, {kFoam, foam}, {kStone, rest}, {kGlass, rest}}, {}).guards[0].applied;
+    };
+    CHECK(applies(0.38, 0.20));
+    CHECK_FALSE(applies(0.42, 0.20));
+    CHECK(applies(0.515, 0.30));
+    CHECK_FALSE(applies(0.53, 0.30));
+  }
   SUBCASE("expected probability below 0.18") {
     const EvidenceRow e =
         guarded(row, {{kWood, 0.21}, {kMetal, 0.21}, {kGlass, 0.21}, {kStone, 0.20}, {kRubber, 0.17}}, {});
@@ -324,7 +335,7 @@ TEST_CASE("material: mask confidence is the mean over the views that show the ro
   for (ViewMasks& view : views) view.rows.resize(3);
   views[0].rows[0] = {2, 1, {255, 0}, 0.8, "test"};
   views[1].rows[0] = {2, 1, {0, 255}, 0.6, "test"};
-  views[2].rows[0] = {2, 1, {0, 0}, 0.1, "test"};  // empty: does not count
+  views[2].rows[0] = {2, 1, {0, 0}, 0.1, "test"};    // empty: does not count
   views[0].rows[2] = {2, 1, {255, 255}, 0, "test"};  // observed, with no confidence: the floor of lifting
   views[1].rows[2] = {2, 1, {255, 255}, 0.35, "test"};
   const auto confidence = mask_confidences(inventory, views);
