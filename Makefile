@@ -40,7 +40,7 @@ CXXFLAGS := -std=c++17 -march=$(MARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -f
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
           -lopencv_video -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
-          -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lz -lfmt
+          -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lz -lzip -lfmt
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp lib/*/*/*.cpp)
 TOOL_SOURCES := $(wildcard tools/*.cpp)
@@ -116,7 +116,7 @@ endif
 # --- What a bare Debian 12 lacks: one list for people, make and CI ------------------------------------------------
 
 PACKAGES := g++ make libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgproc-dev \
-            libopencv-imgcodecs-dev libopencv-video-dev zlib1g-dev libavcodec-dev \
+            libopencv-imgcodecs-dev libopencv-video-dev zlib1g-dev libzip-dev libavcodec-dev \
             libavformat-dev libavutil-dev libswscale-dev nlohmann-json3-dev libvalijson-dev \
             libssl-dev libcurl4-openssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats python3 \
             gnuplot-nox
@@ -221,7 +221,7 @@ FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp lib/base/team.cpp lib/rem
                   physgaussian physgaussian_boundaries selection transforms_json view_rig) \
                 $(patsubst %,lib/masks/%.cpp,coco mask_doubts mask_models queries) \
                 $(patsubst %,lib/material/%.cpp,chat_source pictures predictor_source) lib/screen/run_table.cpp \
-                $(patsubst %,lib/metrics/%.cpp,array_file clip clip_tokenizer video_tracks zip_file) lib/tables/suite.cpp \
+                $(patsubst %,lib/metrics/%.cpp,array_file clip clip_tokenizer video_tracks) lib/tables/suite.cpp \
                 lib/splat/video_reader.cpp
 FUZZ_OBJECTS := $(FUZZ_SOURCES:%.cpp=$(FUZZ_BUILD)/obj/%.o) $(FUZZ_BUILD)/obj/embedded_texts.o
 

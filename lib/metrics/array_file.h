@@ -19,10 +19,10 @@ Array parse_npy(const std::string& bytes, const std::string& file, const std::st
 
 // The arrays of these names from a .npz file, or from a JSON object of nested lists (numbers, true, false; null is
 // NaN). Which it is decides the content, not the name. Errors (exit code 3): a name that is missing, lists of uneven
-// length.
+// length, an archive that is cut, damaged, encrypted or names something twice, arrays above 2^29 bytes.
 std::map<std::string, Array> load_arrays(const std::string& path, const std::vector<std::string>& names);
 // The same from the file's bytes; `file` is only named in messages.
-std::map<std::string, Array> parse_arrays(std::string bytes, const std::string& file,
+std::map<std::string, Array> parse_arrays(const std::string& bytes, const std::string& file,
                                           const std::vector<std::string>& names);
 
 // "[1, 50, 256, 2]", for messages.
