@@ -17,16 +17,20 @@ ifeq ($(origin CXX),default)
 CXX := g++
 endif
 ARCH ?= native
+# Loops over particles, Gaussians and pixels, and everything else.
 OPT ?= -O3
+PLAIN_OPT ?= -O1
 SAN ?= 0
 
 ifeq ($(SAN),1)
 BUILD ?= build/san
 # Leak checking is on; the frame pointer keeps the stacks readable.
-MODE_FLAGS := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined
+OPT := -O1
+PLAIN_OPT := -O1
+MODE_FLAGS := -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined
 else
 BUILD ?= build
-MODE_FLAGS := $(OPT) -DNDEBUG
+MODE_FLAGS := -DNDEBUG
 endif
 
 .DEFAULT_GOAL := all
@@ -53,20 +57,57 @@ TEST_TOOLS := $(TEST_TOOL_SOURCES:tests/tools/%.cpp=$(BUILD)/test/%)
 BIN := $(BUILD)/bin
 
 objects = $(patsubst %.cpp,$(BUILD)/obj/%.o,$(1))
-LIB_OBJECTS := $(call objects,$(filter-out $(if $(KERNEL_SETS),$(KERNELS)),$(LIB_SOURCES))) $(KERNEL_OBJECTS) $(BUILD)/obj/gen/embedded_texts.o
-LIBRARY := $(BUILD)/libphysmas.a
+# What only pm-eval needs is a library of its own: a run does not wait for it.
+EVAL_SOURCES := $(filter lib/metrics/% lib/studies/% lib/tables/%,$(LIB_SOURCES))
+EVAL_OBJECTS := $(call objects,$(EVAL_SOURCES))
+RUN_OBJECTS := $(call objects,$(filter-out $(EVAL_SOURCES) $(if $(KERNEL_SETS),$(KERNELS)),$(LIB_SOURCES))) $(KERNEL_OBJECTS) $(BUILD)/obj/gen/embedded_texts.o
+RUN_LIBRARY := $(BUILD)/libphysmas.a
+EVAL_LIBRARY := $(BUILD)/libphysmas-eval.a
+LIBRARIES := $(EVAL_LIBRARY) $(RUN_LIBRARY)
 
 .PHONY: all
 all: $(TOOLS:%=$(BIN)/%) ## Build the tools into build/bin (make -j2)
 
-# The stages whose decisions are compared number by number: no contraction to fused multiply-adds, so that their results do
-# not depend on the processor.
-$(BUILD)/obj/lib/material/% $(BUILD)/obj/lib/candidate/% $(BUILD)/obj/lib/screen/%: CXXFLAGS += -ffp-contract=off
+# --- Compilation --------------------------------------------------------------------------------------------------
 
-$(BUILD)/obj/%.o: %.cpp | build/.packages
+# The rooms whose loops take a run's time are compiled for speed. Everything else is compiled quickly, and without
+# contraction to fused multiply-adds, so that no decision depends on the processor.
+FAST_ROOMS := bind bundle lift masks metrics mpm plan scene splat studies
+way = $(if $(filter $(FAST_ROOMS:%=lib/%/%) tests/bench/%,$(1)),fast,plain)
+fast_FLAGS := $(OPT)
+plain_FLAGS := $(PLAIN_OPT) -ffp-contract=off
+
+# g++ reads what most sources include of Eigen, {fmt} and the standard library once and keeps it; JSON, which costs as
+# much again, only for the sources that include it themselves. A precompiled header brings the flags along that it was
+# made with, so there is one for each way. Every source still includes what it uses: PRECOMPILE=0 and clang++ tell.
+PRECOMPILE ?= $(if $(findstring clang,$(CXX)),0,1)
+JSON_SOURCES := $(shell grep -rlE '^.include "records/json(_fields)?\.h"' --include=*.cpp lib tools tests)
+common = $(if $(filter $(JSON_SOURCES),$(1)),records/json_headers.h,base/common_headers.h)
+ifeq ($(PRECOMPILE),1)
+precompiled = $(BUILD)/precompiled/$(way)/$(common).gch
+precompiled_FLAGS = -I$(BUILD)/precompiled/$(way) -include $(common) -Winvalid-pch -fpch-preprocess
+export CCACHE_SLOPPINESS := pch_defines,time_macros
+endif
+# g++ collects its garbage after every few megabytes, which with a precompiled header means all of that.
+CXX_MEMORY := $(if $(findstring clang,$(CXX)),,--param ggc-min-heapsize=400000)
+compile = $(CXX) $(CPPFLAGS) $(CXXFLAGS) $($(call way,$(1))_FLAGS) $(CXX_MEMORY)
+
+.SECONDEXPANSION:
+$(BUILD)/obj/%.o: %.cpp $$(call precompiled,$$*.cpp) | build/.packages
 	@mkdir -p $(@D)
 	$(call say,CXX,$<)
-	$(Q)$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
+	$(Q)$(call compile,$<) $(call precompiled_FLAGS,$<) -MMD -MP -c $< -o $@
+
+$(BUILD)/precompiled/fast/%.gch: lib/% | build/.packages
+	@mkdir -p $(@D)
+	$(call say,CXX,$< (fast))
+	$(Q)$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(fast_FLAGS) $(CXX_MEMORY) -MD -MP -x c++-header $< -o $@
+
+$(BUILD)/precompiled/plain/%.gch: lib/% | build/.packages
+	@mkdir -p $(@D)
+	$(call say,CXX,$< (plain))
+	$(Q)$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(plain_FLAGS) $(CXX_MEMORY) -MD -MP -x c++-header $< -o $@
+-include $(wildcard $(BUILD)/precompiled/*/*/*.d)
 
 # Schemas, prompts of the agents and pages travel inside the binaries, so that a tool can be moved without its tree.
 $(BUILD)/gen/embedded_texts.cpp: $(EMBEDDED_TEXTS) Makefile
@@ -81,23 +122,25 @@ $(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.cpp
 	@mkdir -p $(@D)
 	$(Q)$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
 
-$(LIBRARY): $(LIB_OBJECTS)
+$(RUN_LIBRARY): $(RUN_OBJECTS)
+$(EVAL_LIBRARY): $(EVAL_OBJECTS)
+$(LIBRARIES):
 	@rm -f $@
 	$(call say,AR,$@)
 	$(Q)ar rcs $@ $^
 
-$(BIN)/%: $(BUILD)/obj/tools/%.o $(LIBRARY)
+$(BIN)/%: $(BUILD)/obj/tools/%.o $$(if $$(filter pm-eval,$$*),$(EVAL_LIBRARY)) $(RUN_LIBRARY)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
 
-$(BUILD)/test/unit: $(call objects,$(UNIT_SOURCES)) $(LIBRARY)
+$(BUILD)/test/unit: $(call objects,$(UNIT_SOURCES)) $(LIBRARIES)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
 
 # Programs that write fixtures for the command-line tests: tests/tools/NAME.cpp -> build/test/NAME.
-$(TEST_TOOLS): $(BUILD)/test/%: $(BUILD)/obj/tests/tools/%.o $(LIBRARY)
+$(TEST_TOOLS): $(BUILD)/test/%: $(BUILD)/obj/tests/tools/%.o $(LIBRARIES)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
@@ -109,7 +152,7 @@ say = $(if $(filter 0,$(V)),@printf '  %-5s %s\n' '$(1)' '$(2)')
 .PRECIOUS: $(BUILD)/obj/%.o
 # A run reads this file several times (pipelines/physmas.mk); header dependencies matter the first time only.
 ifeq ($(MAKE_RESTARTS),)
--include $(patsubst %.o,%.d,$(LIB_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(TEST_TOOL_SOURCES) $(BENCH_SOURCES) \
+-include $(patsubst %.o,%.d,$(RUN_OBJECTS) $(EVAL_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(TEST_TOOL_SOURCES) $(BENCH_SOURCES) \
             $(wildcard tests/fuzz/*.cpp)))
 endif
 
@@ -251,7 +294,7 @@ fuzz-seeds: $(BUILD)/test/make_fuzz_seeds all ## Write the seeds of tests/fuzz/c
 	$(Q)$< tests/fuzz/corpus && tests/fuzz/record-seeds.sh $(BIN) tests/fuzz/corpus/records
 
 # The corpus, with this build's own flags (SAN=1 for the sanitizers), once.
-$(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%): $(BUILD)/test/fuzz/%: $(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/fuzz/driver.o $(LIBRARY)
+$(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%): $(BUILD)/test/fuzz/%: $(BUILD)/obj/tests/fuzz/%.o $(BUILD)/obj/tests/fuzz/driver.o $(LIBRARIES)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
@@ -271,7 +314,7 @@ bench: $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%) ## Speed of the solve
 stability: $(BIN)/pm-eval ## Sweep the solver over stiff and extreme input: table, CSV and heat maps in STABILITY=runs/stability
 	$(Q)$(BIN)/pm-eval stability --out $(or $(STABILITY),runs/stability) $(if $(THREADS),--threads $(THREADS))
 
-$(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(LIBRARY)
+$(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(LIBRARIES)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@

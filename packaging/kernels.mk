@@ -26,7 +26,7 @@ define kernel_rules
 $(KERNELS:%.cpp=$(BUILD)/obj/%.$(1).o): $(BUILD)/obj/%.$(1).o: %.cpp | build/.packages
 	@mkdir -p $$(@D)
 	$$(call say,CXX,$$< ($(1)))
-	$$(Q)$$(CXX) $$(CPPFLAGS) -DPHYSMAS_KERNELS=$(1) $$(CXXFLAGS) -march=$(march_of_$(1)) -Wno-psabi -MMD -MP -MT $$@ -MF $$(@:.o=.d) -c $$< -o $$@.all
+	$$(Q)$$(CXX) $$(CPPFLAGS) -DPHYSMAS_KERNELS=$(1) $$(CXXFLAGS) $$(OPT) -march=$(march_of_$(1)) -Wno-psabi -MMD -MP -MT $$@ -MF $$(@:.o=.d) -c $$< -o $$@.all
 	$$(Q)ld -r --force-group-allocation $$@.all -o $$@.one && objcopy --wildcard --keep-global-symbol='*[0-9]$(1)[0-9]*' $$@.one $$@
 	@rm -f $$@.all $$@.one
 endef
