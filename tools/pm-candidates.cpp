@@ -6,6 +6,7 @@
 #include "candidate/authored.h"
 #include "candidate/build.h"
 #include "candidate/one_material.h"
+#include "records/json.h"
 #include "records/scene.h"
 #include "records/state.h"
 

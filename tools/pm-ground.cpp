@@ -16,6 +16,7 @@
 #include "plan/scene_inventory.h"
 #include "plan/scene_plan.h"
 #include "records/inventory.h"
+#include "records/json.h"
 #include "records/masks.h"
 #include "records/plan.h"
 #include "records/scene.h"

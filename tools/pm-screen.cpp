@@ -9,6 +9,7 @@
 
 #include "base/command_line.h"
 #include "base/file.h"
+#include "records/json.h"
 #include "records/scene.h"
 #include "screen/audit.h"
 #include "screen/decide.h"

@@ -9,6 +9,7 @@
 #include "bind/problem.h"
 #include "bind/rollout.h"
 #include "bind/timing.h"
+#include "records/json.h"
 #include "records/scene.h"
 
 namespace fs = std::filesystem;

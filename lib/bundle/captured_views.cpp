@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "bundle/foreign_json.h"
+#include "records/json.h"
 
 namespace fs = std::filesystem;
 

@@ -2,12 +2,13 @@
 #ifndef PHYSMAS_BUNDLE_CAPTURED_VIEWS_H
 #define PHYSMAS_BUNDLE_CAPTURED_VIEWS_H
 
+#include <Eigen/Core>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "bundle/distortion.h"
-#include "records/json.h"
+#include "records/json_fwd.h"
 #include "scene/camera.h"
 
 namespace physmas::bundle {

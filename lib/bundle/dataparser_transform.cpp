@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "bundle/foreign_json.h"
+#include "records/json.h"
 
 namespace fs = std::filesystem;
 

@@ -2,11 +2,12 @@
 #ifndef PHYSMAS_BUNDLE_DATAPARSER_TRANSFORM_H
 #define PHYSMAS_BUNDLE_DATAPARSER_TRANSFORM_H
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
 #include "bundle/captured_views.h"
-#include "records/json.h"
+#include "records/json_fwd.h"
 
 namespace physmas::bundle {
 

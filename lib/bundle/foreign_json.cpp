@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "records/json.h"
+
 namespace physmas::bundle {
 namespace {
 

@@ -21,6 +21,7 @@
 #include "bundle/view_rig.h"
 #include "bundle/views.h"
 #include "records/inventory.h"
+#include "records/json.h"
 #include "records/labels.h"
 #include "records/scene.h"
 #include "scene/gaussian_files.h"

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "bundle/foreign_json.h"
 #include "bundle/physgaussian_boundaries.h"
+#include "records/json.h"
 #include "records/labels.h"
 #include "records/run_specification.h"
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "records/json.h"
+
 namespace physmas::bundle {
 namespace {
 

@@ -9,6 +9,7 @@
 #include "bundle/view_rig.h"
 #include "bundle/views.h"
 #include "records/example.h"
+#include "records/json.h"
 #include "records/scene.h"
 #include "records/truth.h"
 #include "scene/gaussian_files.h"

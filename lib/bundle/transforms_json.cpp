@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "bundle/captured_views.h"
 #include "bundle/foreign_json.h"
+#include "records/json.h"
 
 namespace physmas::bundle {
 namespace {

@@ -12,6 +12,7 @@
 #include "bundle/choose_views.h"
 #include "bundle/dataparser_transform.h"
 #include "bundle/view_rig.h"
+#include "records/json.h"
 #include "scene/image_file.h"
 
 namespace fs = std::filesystem;

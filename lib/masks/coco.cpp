@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "records/json.h"
 
 namespace physmas::masks {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "records/json.h"
+#include "records/json_fwd.h"
 #include "records/masks.h"
 #include "records/scene.h"
 

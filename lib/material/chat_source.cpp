@@ -4,6 +4,7 @@
 #include <set>
 
 #include "base/embedded_text.h"
+#include "records/json.h"
 #include "scene/image_file.h"
 
 namespace physmas::material {

@@ -3,6 +3,7 @@
 #include "material/guards.h"
 #include "material/posterior.h"
 #include "material/statistics.h"
+#include "records/json.h"
 
 namespace physmas::material {
 

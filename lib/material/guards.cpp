@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "material/label_scores.h"
+#include "records/json.h"
 #include "records/support.h"
 
 namespace physmas::material {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "material/label_scores.h"
+#include "records/json.h"
 
 namespace physmas::material {
 namespace {

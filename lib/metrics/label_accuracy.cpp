@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "records/json.h"
+
 namespace physmas::metrics {
 namespace {
 

@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/log.h"
+#include "records/json.h"
 #include "splat/video.h"
 
 namespace physmas::metrics {

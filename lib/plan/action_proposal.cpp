@@ -7,6 +7,7 @@
 
 #include "base/words.h"
 #include "plan/action_values.h"
+#include "records/json.h"
 #include "records/reference.h"
 #include "remote/exchange.h"
 

@@ -9,6 +9,7 @@
 #include "base/words.h"
 #include "plan/action_proposal.h"
 #include "plan/scene_inventory.h"
+#include "records/json.h"
 #include "records/reference.h"
 #include "scene/image_file.h"
 

@@ -1,6 +1,7 @@
 #include "plan/proposal.h"
 
 #include "base/words.h"
+#include "records/json.h"
 
 namespace physmas::plan {
 

@@ -3,7 +3,7 @@
 #define PHYSMAS_PLAN_PROPOSAL_H
 
 #include "plan/prompt.h"
-#include "records/json.h"
+#include "records/json_fwd.h"
 
 namespace physmas::plan {
 

@@ -4,6 +4,7 @@
 
 #include "base/words.h"
 #include "plan/prompt.h"
+#include "records/json.h"
 
 namespace physmas::plan {
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "records/json.h"
 #include "records/labels.h"
+#include "records/provenance.h"
 #include "records/schedule_operation.h"
 
 namespace physmas {

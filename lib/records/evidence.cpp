@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "records/json.h"
+
 namespace physmas {
 namespace {
 

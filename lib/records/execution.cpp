@@ -1,5 +1,7 @@
 #include "records/execution.h"
 
+#include "records/json.h"
+
 namespace physmas {
 
 ExecutionRecord load_execution(const std::string& path) {

@@ -2,6 +2,8 @@
 
 #include <set>
 
+#include "records/json.h"
+
 namespace physmas {
 namespace {
 

@@ -2,11 +2,12 @@
 #ifndef PHYSMAS_RECORDS_INVENTORY_H
 #define PHYSMAS_RECORDS_INVENTORY_H
 
+#include <Eigen/Core>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "records/json.h"
+#include "records/provenance.h"
 
 namespace physmas {
 

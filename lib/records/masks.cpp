@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "records/hdf5_file.h"
+#include "records/json.h"
 
 namespace physmas {
 namespace {

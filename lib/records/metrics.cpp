@@ -1,5 +1,7 @@
 #include "records/metrics.h"
 
+#include "records/json.h"
+
 namespace physmas {
 
 void save_metrics(const std::string& path, const std::string& target, const std::vector<MetricEntry>& metrics,

@@ -1,6 +1,7 @@
 #include "records/overrides.h"
 
 #include "base/error.h"
+#include "records/json.h"
 
 namespace physmas {
 namespace {

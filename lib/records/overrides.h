@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "records/json.h"
+#include "records/json_fwd.h"
 
 namespace physmas {
 

@@ -1,5 +1,6 @@
 #include "records/plan.h"
 
+#include "records/json.h"
 #include "records/names.h"
 
 namespace physmas {

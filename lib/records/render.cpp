@@ -1,5 +1,7 @@
 #include "records/render.h"
 
+#include "records/json.h"
+
 namespace physmas {
 
 namespace {

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
+#include "records/json.h"
 
 namespace fs = std::filesystem;
 

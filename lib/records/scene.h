@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "records/camera.h"
-#include "records/json.h"
+#include "records/json_fwd.h"
 #include "records/provenance.h"
 #include "records/run_specification.h"
 

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "records/json.h"
+
 namespace physmas {
 namespace {
 

@@ -2,10 +2,11 @@
 #ifndef PHYSMAS_RECORDS_SCHEDULE_OPERATION_H
 #define PHYSMAS_RECORDS_SCHEDULE_OPERATION_H
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
-#include "records/json.h"
+#include "records/json_fwd.h"
 #include "records/plan.h"
 
 namespace physmas {

@@ -1,5 +1,7 @@
 #include "records/screen.h"
 
+#include "records/json.h"
+
 namespace physmas {
 
 ScreenRecord load_screen(const std::string& path) {

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "records/hdf5_file.h"
+#include "records/json.h"
 
 namespace physmas {
 namespace {

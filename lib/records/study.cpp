@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "records/json.h"
+
 namespace physmas {
 
 StudyKey load_study_key(const std::string& path) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "records/json.h"
+#include "records/provenance.h"
 
 namespace physmas {
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "records/json.h"
 #include "records/validator.h"
 
 namespace physmas::remote {

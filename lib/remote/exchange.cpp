@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/log.h"
+#include "records/json.h"
 #include "remote/base64.h"
 
 namespace physmas::remote {

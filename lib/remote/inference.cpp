@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "records/json.h"
+
 namespace physmas::remote {
 namespace {
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/log.h"
+#include "records/json.h"
 
 namespace physmas::remote {
 namespace {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <set>
 
+#include "records/json.h"
 #include "splat/video.h"
 
 namespace physmas::screen {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "records/json.h"
+
 namespace physmas::screen {
 namespace {
 

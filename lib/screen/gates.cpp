@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "records/json.h"
 #include "records/support.h"
 
 namespace physmas::screen {

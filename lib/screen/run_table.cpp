@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "records/execution.h"
+#include "records/json.h"
 #include "records/render.h"
 #include "records/screen.h"
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "base/file.h"
+#include "records/json.h"
 #include "studies/gnuplot.h"
 
 namespace physmas::studies {

@@ -2,7 +2,10 @@
 #ifndef PHYSMAS_STUDIES_ACCURACY_REPORT_H
 #define PHYSMAS_STUDIES_ACCURACY_REPORT_H
 
-#include "records/json.h"
+#include <string>
+#include <vector>
+
+#include "records/provenance.h"
 #include "studies/accuracy.h"
 
 namespace physmas::studies {

@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "records/json.h"
 #include "studies/accuracy_report.h"
 #include "studies/commands.h"
 #include "studies/stability_report.h"

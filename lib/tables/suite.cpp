@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "records/json.h"
 
 namespace physmas::tables {
 namespace {

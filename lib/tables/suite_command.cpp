@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/file.h"
+#include "records/json.h"
 #include "tables/commands.h"
 #include "tables/suite.h"
 

@@ -2,6 +2,7 @@
 #include "masks/coco.h"
 
 #include "guard.h"
+#include "records/json.h"
 
 namespace {
 

@@ -2,6 +2,7 @@
 // what is behind them.
 #include "base/hash.h"
 #include "guard.h"
+#include "records/json.h"
 #include "remote/inference.h"
 #include "remote/replay.h"
 #include "scratch.h"

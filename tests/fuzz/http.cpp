@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "guard.h"
+#include "records/json.h"
 #include "remote/live.h"
 #include "scratch.h"
 

@@ -7,6 +7,7 @@
 #include "plan/action_proposal.h"
 #include "plan/chat_agent.h"
 #include "plan/scene_inventory.h"
+#include "records/json.h"
 #include "scene/image_file.h"
 
 namespace {

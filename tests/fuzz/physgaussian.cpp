@@ -2,6 +2,7 @@
 #include "bundle/physgaussian.h"
 
 #include "guard.h"
+#include "records/json.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);

@@ -9,6 +9,7 @@
 #include "records/evidence.h"
 #include "records/example.h"
 #include "records/execution.h"
+#include "records/json.h"
 #include "records/material_records.h"
 #include "records/metrics.h"
 #include "records/plan.h"

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "bundle/physgaussian.h"
+#include "records/json.h"
 #include "records/scene.h"
 #include "remote/exchange.h"
 #include "scene/camera.h"

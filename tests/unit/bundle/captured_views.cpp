@@ -11,6 +11,7 @@
 
 #include "bundle/choose_views.h"
 #include "bundle/dataparser_transform.h"
+#include "records/json.h"
 #include "unit/input_error.h"
 #include "unit/temporary_folder.h"
 

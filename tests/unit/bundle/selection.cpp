@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "bundle/physgaussian.h"
+#include "records/json.h"
 #include "records/labels.h"
 #include "unit/input_error.h"
 #include "unit/temporary_folder.h"

@@ -11,6 +11,7 @@
 #include "candidate/schedule.h"
 #include "candidate/stiffness_weight.h"
 #include "candidate/timestep.h"
+#include "records/json.h"
 
 using namespace physmas;
 using namespace physmas::candidate;

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "plan/action_proposal.h"
 #include "plan/scene_inventory.h"
+#include "records/json.h"
 #include "records/validator.h"
 #include "unit/plan/scenes.h"
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "records/json.h"
 #include "records/overrides.h"
 
 using namespace physmas;

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "base/file.h"
+#include "records/json.h"
 #include "remote/base64.h"
 #include "remote/chat.h"
 #include "remote/http.h"

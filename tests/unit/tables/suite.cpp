@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "candidate/one_material.h"
+#include "records/json.h"
 #include "unit/input_error.h"
 #include "unit/temporary_folder.h"
 

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "metrics/preference.h"
 #include "metrics/study_page.h"
+#include "records/json.h"
 #include "tables/aggregate.h"
 #include "unit/input_error.h"
 #include "unit/temporary_folder.h"
