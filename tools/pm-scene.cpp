@@ -3,6 +3,7 @@
 #include "bundle/import_bundle.h"
 #include "bundle/report.h"
 #include "bundle/synth_bundle.h"
+#include "records/json.h"
 #include "records/overrides.h"
 #include "records/scene.h"
 
