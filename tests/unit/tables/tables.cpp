@@ -222,6 +222,19 @@ TEST_CASE("eval: preference rates weigh cases, not responses") {
   CHECK(table.rows[0].cells[5].numbers[0].text() == "75%");
 }
 
+TEST_CASE("eval: the interval of a preference rate is the bootstrap's from 2.5 to 97.5 %") {
+  StudyKey key;
+  key.methods = {"alpha", "beta"};
+  key.cases.push_back({"one", true, {}, {}});
+  std::vector<StudyAnswers> answers;
+  for (int h = 0; h < 100; ++h) answers.push_back(answers_of(std::to_string(h), key, h < 50 ? "alpha" : "beta"));
+  // A resample's count is binomial with n = 100 and p = 0.5: quantiles 40 and 60; 42 and 58 are those of 5 and 95 %.
+  const Preference p = rate(metrics::preference_rates(key, answers, 10000, 1), "multi-object", "alpha");
+  CHECK(p.value == 50);
+  CHECK(p.low == doctest::Approx(40).epsilon(0.02));
+  CHECK(p.high == doctest::Approx(60).epsilon(0.015));
+}
+
 TEST_CASE("eval: answers must fit the key") {
   const TemporaryFolder folder;
   const Evaluation evaluation = load(folder, with_results(folder));

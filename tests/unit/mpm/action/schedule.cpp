@@ -174,6 +174,13 @@ TEST_CASE("mpm retention: nearest support, distance, limit, ties and weights") {
   CHECK(s.x[3].x == doctest::Approx(1.01));
   CHECK(s.F[3][0].x == 1.5);  // retention leaves F and the affine state alone
   CHECK(s.x[5].y == 1.0);
+
+  // Positions and velocities have weights of their own.
+  first.eta = 0.25, first.zeta = 0.75;
+  s.x[3].y = 1, s.v[3].y = 0;
+  CompiledRetention::compile({first}, p.particles)[0].apply(s);
+  CHECK(s.x[3].y == doctest::Approx(1 + 0.25 * 0.2));
+  CHECK(s.v[3].y == doctest::Approx(0.75 * 2));
 }
 
 TEST_CASE("mpm materials: pressed plasticine keeps its dent, pressed jelly springs back, foam creeps") {
