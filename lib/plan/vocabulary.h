@@ -1,4 +1,5 @@
-// The words that the built-in agent knows: verbs, directions, strengths, and the small words around them.
+// The words that the built-in agent knows: verbs, directions, strengths, and the small words around them. They are
+// listed in lib/plan/words/vocabulary.txt, which the build embeds.
 #ifndef PHYSMAS_PLAN_VOCABULARY_H
 #define PHYSMAS_PLAN_VOCABULARY_H
 
