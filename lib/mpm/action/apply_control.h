@@ -1,5 +1,4 @@
-// Applies the controls of a substep to one register of particles. Called for groups of lanes with a controlled one
-// only.
+// Applies the controls of a substep to one register of particles. Called for registers with a controlled lane only.
 #ifndef PHYSMAS_MPM_ACTION_APPLY_CONTROL_H
 #define PHYSMAS_MPM_ACTION_APPLY_CONTROL_H
 

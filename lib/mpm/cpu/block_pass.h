@@ -63,21 +63,21 @@ class BlockPass {
  private:
   using V = Lanes<T>;
   static constexpr int W = kLanes<T>;
-  static_assert(W == Row<T>::kPart);
+  static_assert(W == NodeRow<T>::kPart);
 
   struct Run;
   struct LaneState;
   struct Rows;
-  LaneControls<T> controls_of(const Run& run, int group, const ControlTable& table) const;
-  void move(Run& run, int group, bool forced, const ForcedMotion<V>& motion, LaneState& s) const;
+  LaneControls<T> controls_of(const Run& run, int reg, const ControlTable& table) const;
+  void move(Run& run, int reg, bool forced, const ForcedMotion<V>& motion, LaneState& s) const;
   template <bool kMeasure>
-  LaneBits set_scattered(Run& run, int group, int column, const LaneState& s, const Mat3<V>& tau,
+  LaneBits set_scattered(Run& run, int reg, int column, const LaneState& s, const Mat3<V>& tau,
                          GridNumbers<T>& numbers) const;
   template <int kKnown, bool kGather, bool kScatter, bool kMeasure>
-  LaneBits advance(Run& run, int group, int column, GridNumbers<T>& numbers);
+  LaneBits advance(Run& run, int reg, int column, GridNumbers<T>& numbers);
   static void scatter_strays(const GridExchange<T>& exchange, T* nodes, const T* x, int column, LaneBits lanes,
                              GridNumbers<T>& numbers);
-  Rows rows_of(int group) const;
+  Rows rows_of(int reg) const;
   MaterialParameters<V> parameters_of(const Rows& rows) const;
   Mat3<V> update_stress(const Rows& rows, const V& dt, Mat3<V>& F, V& strength) const;
 
@@ -106,13 +106,13 @@ struct BlockPass<T>::Rows {
 };
 
 template <class T>
-typename BlockPass<T>::Rows BlockPass<T>::rows_of(int group) const {
+typename BlockPass<T>::Rows BlockPass<T>::rows_of(int reg) const {
   Rows rows;
-  if (store_.registers[group].row >= 0) {
-    rows.add(store_.registers[group].row, kAllLanes<T>);
+  if (store_.registers[reg].row >= 0) {
+    rows.add(store_.registers[reg].row, kAllLanes<T>);
   } else {
     for (int l = 0; l < W; ++l) {
-      const int i = store_.particle[group * W + l];
+      const int i = store_.particle[reg * W + l];
       if (i >= 0) rows.add(setup_.row[i], LaneBits(1) << l);
     }
   }
@@ -191,14 +191,14 @@ struct BlockPass<T>::LaneState {
 };
 
 template <class T>
-PHYSMAS_INLINE LaneControls<T> BlockPass<T>::controls_of(const Run& run, int group, const ControlTable& table) const {
-  const auto& common = store_.registers[group];
+PHYSMAS_INLINE LaneControls<T> BlockPass<T>::controls_of(const Run& run, int reg, const ControlTable& table) const {
+  const auto& common = store_.registers[reg];
   if (common.control != store_.kSeveral) {
     return load_controls<T>(table.group[common.control], common.lanes, run.origin, run.dx);
   }
   std::uint16_t groups[W];
   for (int l = 0; l < W; ++l) {
-    const int i = store_.particle[group * W + l];
+    const int i = store_.particle[reg * W + l];
     groups[l] = i >= 0 ? setup_.control_group[i] : 0;
   }
   return load_controls<T>(table, groups, run.origin, run.dx);
@@ -206,7 +206,7 @@ PHYSMAS_INLINE LaneControls<T> BlockPass<T>::controls_of(const Run& run, int gro
 
 // Moves and deforms a register by a substep. forced: with `motion` on top of what was gathered.
 template <class T>
-PHYSMAS_INLINE void BlockPass<T>::move(Run& run, int group, bool forced, const ForcedMotion<V>& motion,
+PHYSMAS_INLINE void BlockPass<T>::move(Run& run, int reg, bool forced, const ForcedMotion<V>& motion,
                                        LaneState& s) const {
   const V squared = dot(s.v, s.v);
   run.kinetic += s.mass * squared;
@@ -227,9 +227,9 @@ PHYSMAS_INLINE void BlockPass<T>::move(Run& run, int group, bool forced, const F
   s.F = s.F + V(run.step) * (gradient * s.F);
   if (setup_.track_total_F) {
     Mat3<V> total;
-    for (int k = 0; k < 9; ++k) total[k / 3][k % 3] = V(&store_.total_F[k][group * W], stdx::vector_aligned);
+    for (int k = 0; k < 9; ++k) total[k / 3][k % 3] = V(&store_.total_F[k][reg * W], stdx::vector_aligned);
     total = total + V(run.step) * (gradient * total);
-    for (int k = 0; k < 9; ++k) total[k / 3][k % 3].copy_to(&store_.total_F[k][group * W], stdx::vector_aligned);
+    for (int k = 0; k < 9; ++k) total[k / 3][k % 3].copy_to(&store_.total_F[k][reg * W], stdx::vector_aligned);
   }
 }
 
@@ -237,7 +237,7 @@ PHYSMAS_INLINE void BlockPass<T>::move(Run& run, int group, bool forced, const F
 // of the column any more.
 template <class T>
 template <bool kMeasure>
-PHYSMAS_INLINE LaneBits BlockPass<T>::set_scattered(Run& run, int group, int column, const LaneState& s,
+PHYSMAS_INLINE LaneBits BlockPass<T>::set_scattered(Run& run, int reg, int column, const LaneState& s,
                                                     const Mat3<V>& tau, GridNumbers<T>& numbers) const {
   const Place<V> at = place_of(s.x, column >= 0 ? GridExchange<T>::column_base(column) : base_of(s.x));
   numbers.set_weights(at);
@@ -250,7 +250,7 @@ PHYSMAS_INLINE LaneBits BlockPass<T>::set_scattered(Run& run, int group, int col
     run.force_free.set_weights(at);
     run.force_free.set(s.mass, s.mass * s.v + spin * at.to_center, spin);
   }
-  return column >= 0 ? lane_bits(strayed(at)) & store_.registers[group].lanes : 0;
+  return column >= 0 ? lane_bits(strayed(at)) & store_.registers[reg].lanes : 0;
 }
 
 // One register of particles, from `numbers` and back to them. column: its column's cell, or -1. kKnown: its branch,
@@ -258,11 +258,11 @@ PHYSMAS_INLINE LaneBits BlockPass<T>::set_scattered(Run& run, int group, int col
 // -1. Returns the lanes that are not in their cell of the column any more; their numbers are as if they were.
 template <class T>
 template <int kKnown, bool kGather, bool kScatter, bool kMeasure>
-LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& numbers) {
+LaneBits BlockPass<T>::advance(Run& run, int reg, int column, GridNumbers<T>& numbers) {
   constexpr bool kPlain = kKnown >= 0;
   constexpr bool kStrength = !kPlain || kKnown == static_cast<int>(Branch::plasticine);
-  const int first = group * W;
-  T* const state = store_.numbers(group);
+  const int first = reg * W;
+  T* const state = store_.numbers(reg);
   const auto number = [&](int channel) { return V(state + channel * W, stdx::vector_aligned); };
   const auto put = [&](int channel, const V& lanes) { lanes.copy_to(state + channel * W, stdx::vector_aligned); };
   LaneState s;
@@ -270,9 +270,9 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
     s.x[a] = number(a);
     for (int b = 0; b < 3; ++b) s.F[a][b] = number(store_.kDeformation + 3 * a + b);
   }
-  const Rows rows = kPlain ? Rows() : rows_of(group);
+  const Rows rows = kPlain ? Rows() : rows_of(reg);
   const MaterialParameters<V> p =
-      kPlain ? convert_parameters<V>(parameters_[store_.registers[group].row]) : parameters_of(rows);
+      kPlain ? convert_parameters<V>(parameters_[store_.registers[reg].row]) : parameters_of(rows);
   s.volume = number(store_.kVolume);
   s.mass = p.density * s.volume;
   s.strength = kStrength && store_.has_strength ? V(&store_.strength[first], stdx::vector_aligned) : V(T(1));
@@ -285,16 +285,16 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
   }
 
   // Controls: the forced motion of the gathered substep, then blends and forces of the scattered one.
-  const bool controlled = !kPlain && store_.registers[group].control != 0;
+  const bool controlled = !kPlain && store_.registers[reg].control != 0;
   const bool forced = kGather && controlled && after_.active;
   ForcedMotion<V> motion;
-  GroupMotion<V> measured;
+  RegisterMotion<V> measured;
   if (kMeasure) measured = {s.mass, s.volume, s.x, s.F, s.F, s.F, s.v, s.v, s.v, s.C, s.C, s.C};
   if (kGather) {
     if (forced) {
-      motion = force_motion<T>(controls_of(run, group, after_), s.x, s.mass, s.v, s.C, run.report.control_work);
+      motion = force_motion<T>(controls_of(run, reg, after_), s.x, s.mass, s.v, s.C, run.report.control_work);
     }
-    move(run, group, forced, motion, s);
+    move(run, reg, forced, motion, s);
   }
 
   // A prime pass only evaluates stress; its F has been through the return map already.
@@ -312,8 +312,8 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
       const int i = store_.particle[first + l];
       branch[l] = setup_.branches[i >= 0 ? setup_.row[i] : 0];
     }
-    measure_group(measured, p, branch, run.origin, setup_.domain.gravity, run.dx, kGather ? run.dt : 0,
-                  run.report.energy);
+    measure_register(measured, p, branch, run.origin, setup_.domain.gravity, run.dx, kGather ? run.dt : 0,
+                     run.report.energy);
   }
   if (forced) run.report.control_work += elastic_work<T>(motion, tau, s.volume, run.step);
 
@@ -333,14 +333,14 @@ LaneBits BlockPass<T>::advance(Run& run, int group, int column, GridNumbers<T>& 
   }
 
   if (controlled && before_.active) {
-    run.report.control_work += blend_controls<T>(controls_of(run, group, before_), s.x, s.mass, s.v, s.C);
+    run.report.control_work += blend_controls<T>(controls_of(run, reg, before_), s.x, s.mass, s.v, s.C);
   }
   if (kMeasure) {
     const double scattered = affine_kinetic(s.mass, s.v, s.C, run.dx);
     run.report.energy.control_before += scattered - affine_kinetic(s.mass, measured.v, measured.C, run.dx);
     run.report.energy.scattered += scattered;
   }
-  return set_scattered<kMeasure>(run, group, column, s, tau, numbers);
+  return set_scattered<kMeasure>(run, reg, column, s, tau, numbers);
 }
 
 // Carries lanes that have left their column's cell to the grid, and takes them out of the numbers that go there with
@@ -362,7 +362,7 @@ void BlockPass<T>::scatter_strays(const GridExchange<T>& exchange, T* nodes, con
   }
   // P belongs to the centre node.
   strays.set(numbers.get(numbers.kMass), momentum + Q * shift, Q);
-  exchange.scatter_rows(nodes, x, lanes, strays);
+  exchange.scatter_particles(nodes, x, lanes, strays);
   const auto gone = lane_mask<T>(lanes);
   numbers.set(select(gone, V(T(0)), numbers.get(numbers.kMass)), select(gone, none, momentum),
               select(gone, Mat3<V>{{none, none, none}}, Q));
@@ -374,49 +374,48 @@ BlockReport BlockPass<T>::run(int index, double dt) {
   const ParticleBlock& block = store_.map.particle_blocks[index];
   const GridExchange<T> exchange(grid_.layout);
   Run run(index, block, setup_.domain, dt);
-  const auto advance_any = [&](int group, int column, GridNumbers<T>& numbers) PHYSMAS_LAMBDA_INLINE {
-    const int row = store_.registers[group].row;
-    const bool controlled = store_.registers[group].control != 0 && (before_.active || after_.active);
+  const auto advance_any = [&](int reg, int column, GridNumbers<T>& numbers) PHYSMAS_LAMBDA_INLINE {
+    const int row = store_.registers[reg].row;
+    const bool controlled = store_.registers[reg].control != 0 && (before_.active || after_.active);
     if (kGather && kScatter && !kMeasure && row >= 0 && !controlled) {
       LaneBits strays = 0;
       with_branch(setup_.branches[row], [&](auto branch) PHYSMAS_LAMBDA_INLINE {
-        strays = advance<decltype(branch)::value, true, true, false>(run, group, column, numbers);
+        strays = advance<decltype(branch)::value, true, true, false>(run, reg, column, numbers);
       });
       return strays;
     }
-    return advance<-1, kGather, kScatter, kMeasure>(run, group, column, numbers);
+    return advance<-1, kGather, kScatter, kMeasure>(run, reg, column, numbers);
   };
 
   const int begin = block.begin / W, end = begin + block.slots / W;
-  for (int group = begin, count = 1; group < end; group += count, count = 1) {
-    const int column = store_.registers[group].column;
-    while (column >= 0 && count < kColumnBatch && group + count < end &&
-           store_.registers[group + count].column == column) {
+  for (int reg = begin, count = 1; reg < end; reg += count, count = 1) {
+    const int column = store_.registers[reg].column;
+    while (column >= 0 && count < kColumnBatch && reg + count < end && store_.registers[reg + count].column == column) {
       ++count;
     }
     LaneBits lanes[kColumnBatch];
     const T* x[kColumnBatch];
     for (int r = 0; r < count; ++r) {
-      store_.prefetch(group + r + kPrefetch);
-      lanes[r] = store_.registers[group + r].lanes;
-      x[r] = store_.numbers(group + r);
+      store_.prefetch(reg + r + kPrefetch);
+      lanes[r] = store_.registers[reg + r].lanes;
+      x[r] = store_.numbers(reg + r);
     }
     if (column < 0) {
       if (lanes[0] == 0) continue;
-      if (kGather) exchange.gather_rows(grid_.velocity(block), x[0], lanes[0], run.numbers[0]);
-      advance_any(group, column, run.numbers[0]);
-      if (kScatter) exchange.scatter_rows(grid_.momentum(block), x[0], lanes[0], run.numbers[0]);
-      if (kMeasure && kScatter) exchange.scatter_rows(grid_.force_free(block), x[0], lanes[0], run.force_free);
+      if (kGather) exchange.gather_particles(grid_.velocity(block), x[0], lanes[0], run.numbers[0]);
+      advance_any(reg, column, run.numbers[0]);
+      if (kScatter) exchange.scatter_particles(grid_.momentum(block), x[0], lanes[0], run.numbers[0]);
+      if (kMeasure && kScatter) exchange.scatter_particles(grid_.force_free(block), x[0], lanes[0], run.force_free);
       continue;
     }
     if (kGather) exchange.gather_columns(grid_.velocity(block), column, count, x, lanes, run.numbers);
     for (int r = 0; r < count; ++r) {
-      const LaneBits strays = advance_any(group + r, column, run.numbers[r]);
+      const LaneBits strays = advance_any(reg + r, column, run.numbers[r]);
       if (!kScatter) continue;
       if (strays != 0) {
         scatter_strays(exchange, grid_.momentum(block), x[r], column, strays, run.numbers[r]);
         if (kMeasure) scatter_strays(exchange, grid_.force_free(block), x[r], column, strays, run.force_free);
-        store_.registers[group + r].leaving = strays;
+        store_.registers[reg + r].leaving = strays;
         run.leaving = true;
       }
       if (kMeasure) exchange.scatter_columns(grid_.force_free(block), column, 1, &run.force_free);

@@ -12,24 +12,24 @@ template <class T>
 void ParticleStore<T>::leave_columns(int block) {
   ParticleBlock& home = map.particle_blocks[block];
   const int first = home.begin / W, columns = first + home.loose, end = first + home.slots / W;
-  for (int group = columns; group < end; ++group) {
-    const LaneBits leaving = std::exchange(registers[group].leaving, 0);
+  for (int reg = columns; reg < end; ++reg) {
+    const LaneBits leaving = std::exchange(registers[reg].leaving, 0);
     for (LaneBits left = leaving; left != 0; left &= left - 1) {
       const int lane = __builtin_ctz(left);
-      Slot to = column_place(columns, end, group, lane);
-      if (to.group < 0) {
-        to = loose_place(first, columns, registers[group].row);
+      Slot to = column_place(columns, end, reg, lane);
+      if (to.reg < 0) {
+        to = loose_place(first, columns, registers[reg].row);
         home.strayed += 1;
       }
-      if (to.group < 0) {
-        registers[group].column = -1;
-        home.strayed += __builtin_popcount(registers[group].lanes) - 1;
+      if (to.reg < 0) {
+        registers[reg].column = -1;
+        home.strayed += __builtin_popcount(registers[reg].lanes) - 1;
         break;
       }
-      move(group, lane, to);
-      const Slot from = loose_particle(first, columns, group, lane);
-      if (from.group < 0) continue;
-      move(from.group, from.lane, {group, lane});
+      move(reg, lane, to);
+      const Slot from = loose_particle(first, columns, reg, lane);
+      if (from.reg < 0) continue;
+      move(from.reg, from.lane, {reg, lane});
       home.strayed -= 1;
     }
   }
@@ -37,11 +37,11 @@ void ParticleStore<T>::leave_columns(int block) {
 
 // A loose particle for a free lane of a column, or none.
 template <class T>
-typename ParticleStore<T>::Slot ParticleStore<T>::loose_particle(int begin, int end, int group, int lane) {
+typename ParticleStore<T>::Slot ParticleStore<T>::loose_particle(int begin, int end, int reg, int lane) {
   using V = Lanes<T>;
-  const Register& to = registers[group];
+  const Register& to = registers[reg];
   // A free lane rests in the middle of the stencil of its cell.
-  const auto cell = [&](int axis) { return V(rest(group * W + lane, axis) - T(1)); };
+  const auto cell = [&](int axis) { return V(rest(reg * W + lane, axis) - T(1)); };
   const V x = cell(0), y = cell(1), z = cell(2);
   for (int g = begin; g < end; ++g) {
     const Register& from = registers[g];
@@ -55,17 +55,17 @@ typename ParticleStore<T>::Slot ParticleStore<T>::loose_particle(int begin, int 
 
 // A free lane of the cell that a particle is in, or none, among columns of its row.
 template <class T>
-typename ParticleStore<T>::Slot ParticleStore<T>::column_place(int begin, int end, int group, int lane) {
+typename ParticleStore<T>::Slot ParticleStore<T>::column_place(int begin, int end, int reg, int lane) {
   constexpr int kCells = W / kColumnSlots;
   if constexpr (kCells >= 2) {
     int cell = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      const T place = numbers(group)[axis * W + lane] - T(0.5);
+      const T place = numbers(reg)[axis * W + lane] - T(0.5);
       if (!(place >= T(0) && place < T(kBlock))) return {};
       cell = cell * kBlock + static_cast<int>(place);
     }
-    const int row = registers[group].row;
-    const std::uint16_t own = control_of(particle[group * W + lane]);
+    const int row = registers[reg].row;
+    const std::uint16_t own = control_of(particle[reg * W + lane]);
     const LaneBits of_cell = ((LaneBits(1) << kColumnSlots) - 1) << cell % kCells * kColumnSlots;
     for (int g = begin; g < end; ++g) {
       const Register& to = registers[g];
@@ -85,24 +85,24 @@ typename ParticleStore<T>::Slot ParticleStore<T>::loose_place(int begin, int end
     const Register& to = registers[g];
     if (to.lanes == kAllLanes<T>) continue;
     const bool own_kind = to.lanes == 0 || to.row == row;
-    if (place.group < 0 || own_kind) place = {g, __builtin_ctz(~to.lanes)};
+    if (place.reg < 0 || own_kind) place = {g, __builtin_ctz(~to.lanes)};
     if (own_kind) break;
   }
   return place;
 }
 
 template <class T>
-void ParticleStore<T>::move(int group, int lane, const Slot& to) {
+void ParticleStore<T>::move(int reg, int lane, const Slot& to) {
   for (int c = 0; c < channels_; ++c) {
-    numbers(to.group)[c * W + to.lane] = numbers(group)[c * W + lane];
-    numbers(group)[c * W + lane] = empty_[c * W + lane];
+    numbers(to.reg)[c * W + to.lane] = numbers(reg)[c * W + lane];
+    numbers(reg)[c * W + lane] = empty_[c * W + lane];
   }
-  const int slot = group * W + lane;
+  const int slot = reg * W + lane;
   const std::uint16_t own = control_of(particle[slot]);
   for (int a = 0; a < 3; ++a) x[a][slot] = rest(slot, a);
-  particle[to.group * W + to.lane] = particle[slot];
+  particle[to.reg * W + to.lane] = particle[slot];
   particle[slot] = -1;
-  Register &old_home = registers[group], &home = registers[to.group];
+  Register &old_home = registers[reg], &home = registers[to.reg];
   home.row = home.lanes == 0 || home.row == old_home.row ? old_home.row : -1;
   home.control = home.lanes == 0 || home.control == own ? own : kSeveral;
   home.lanes |= LaneBits(1) << to.lane;

@@ -1,11 +1,11 @@
 // Transfers of a register of particles that fill a column of cells: neighbours along z, four particles each, so that
-// lane 4 z + s is particle s of cell z. What a node of the stencil holds then lies in a row of nodes, in the right
-// lanes but for one shuffle. All weights of a column's particles belong to the same 3 × 3 rows of nodes.
+// lane 4 z + s is particle s of cell z. What a node of the stencil holds then lies in a NodeRow, in the right
+// lanes but for one shuffle. All weights of a column's particles belong to the same 3 × 3 NodeRows.
 #ifndef PHYSMAS_MPM_CPU_COLUMN_TRANSFER_H
 #define PHYSMAS_MPM_CPU_COLUMN_TRANSFER_H
 
 #include "mpm/cpu/grid_numbers.h"
-#include "mpm/cpu/row_transfer.h"
+#include "mpm/cpu/node_row_transfer.h"
 
 namespace physmas::mpm {
 
@@ -19,7 +19,7 @@ constexpr int kColumnBatch = 4;
 namespace column_detail {
 
 template <class T>
-using Part = typename Row<T>::Part;
+using Part = typename NodeRow<T>::Part;
 
 template <class T>
 PHYSMAS_INLINE Part<T> load(const T* p) {
@@ -60,7 +60,7 @@ PHYSMAS_INLINE P join_pairs(const P& ab, const P& cd, std::index_sequence<I...>)
 // Sums over groups of four lanes of four registers: entry 4 z + c of the result is the sum of register c over cell z.
 template <class T>
 PHYSMAS_INLINE Part<T> sums_of_cells(const Part<T>& a, const Part<T>& b, const Part<T>& c, const Part<T>& d) {
-  constexpr auto all = std::make_index_sequence<Row<T>::kPart>();
+  constexpr auto all = std::make_index_sequence<NodeRow<T>::kPart>();
   const Part<T> ab = interleave<false, T>(a, b, all) + interleave<true, T>(a, b, all);
   const Part<T> cd = interleave<false, T>(c, d, all) + interleave<true, T>(c, d, all);
   return join_pairs<false>(ab, cd, all) + join_pairs<true>(ab, cd, all);
@@ -81,18 +81,19 @@ PHYSMAS_INLINE Pair pushed_out(const P& a, std::index_sequence<I...>) {
 
 // A component of the velocity and its first moments about the particles, of R registers of the same column.
 template <int R, class T>
-PHYSMAS_INLINE void gather_component(int axis, const T* corner, const RowSteps& steps, const Part<T> (*w)[3][3],
+PHYSMAS_INLINE void gather_component(int axis, const T* corner, const NodeSteps& steps, const Part<T> (*w)[3][3],
                                      const Part<T> (*to_center)[3], GridNumbers<T>* out) {
   using P = Part<T>;
-  constexpr auto all = std::make_index_sequence<Row<T>::kPart>();
+  constexpr auto all = std::make_index_sequence<NodeRow<T>::kPart>();
   P total[R], first[R], along_x[R], along_y[R], along_z[R];
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
     P sum[R], low[R], slope[R], z[R];
 #pragma GCC unroll 3
     for (int j = 0; j < 3; ++j) {
-      const T* row = corner + i * steps.x + j * steps.y + axis;
-      const P n0 = spread<1>(load(row), all), n1 = spread<1>(load(row + 4), all), n2 = spread<1>(load(row + 8), all);
+      const T* nodes = corner + i * steps.x + j * steps.y + axis;
+      const P n0 = spread<1>(load(nodes), all), n1 = spread<1>(load(nodes + 4), all),
+              n2 = spread<1>(load(nodes + 8), all);
 #pragma GCC unroll 2
       for (int r = 0; r < R; ++r) {
         const P a = rounded_part(w[r][2][0] * n0);
@@ -131,7 +132,7 @@ PHYSMAS_INLINE void gather_component(int axis, const T* corner, const RowSteps& 
 
 // R registers of one column. corner: the node at the base of the column's lowest cell.
 template <int R, class T>
-PHYSMAS_INLINE void gather_columns(const T* corner, const RowSteps& steps, const Place<Lanes<T>>* at,
+PHYSMAS_INLINE void gather_columns(const T* corner, const NodeSteps& steps, const Place<Lanes<T>>* at,
                                    GridNumbers<T>* out) {
   using P = column_detail::Part<T>;
   P w[R][3][3], to_center[R][3];
@@ -147,12 +148,12 @@ PHYSMAS_INLINE void gather_columns(const T* corner, const RowSteps& steps, const
 }
 
 // Adds w {m, P + Q (node − centre node)} of all lanes of `count` registers of one column to the grid. What they bring
-// to a row of nodes is summed in registers first.
+// to a NodeRow is summed in registers first.
 template <class T>
-PHYSMAS_INLINE void scatter_columns(T* corner, const RowSteps& steps, int count, const GridNumbers<T>* in) {
+PHYSMAS_INLINE void scatter_columns(T* corner, const NodeSteps& steps, int count, const GridNumbers<T>* in) {
   using namespace column_detail;
   using P = Part<T>;
-  constexpr int kSize = Row<T>::kPart;
+  constexpr int kSize = NodeRow<T>::kPart;
   typedef T Pair __attribute__((vector_size(8 * sizeof(T))));
   constexpr auto all = std::make_index_sequence<kSize>();
   constexpr auto pair = std::make_index_sequence<8>();
@@ -188,11 +189,11 @@ PHYSMAS_INLINE void scatter_columns(T* corner, const RowSteps& steps, int count,
 #pragma GCC unroll 3
         for (int a = 0; a < 3; ++a) {
           const P& p = plane.momentum[a];
-          const P row = rounded_part(w * (j == 0 ? p - plane.step_y[a] : j == 1 ? p : p + plane.step_y[a]));
+          const P line = rounded_part(w * (j == 0 ? p - plane.step_y[a] : j == 1 ? p : p + plane.step_y[a]));
           const P step = rounded_part(w * plane.step_z[a]);
-          n[0][1 + a] += low * rounded_part(row - step);
-          n[1][1 + a] += mid * row;
-          n[2][1 + a] += high * rounded_part(row + step);
+          n[0][1 + a] += low * rounded_part(line - step);
+          n[1][1 + a] += mid * line;
+          n[2][1 + a] += high * rounded_part(line + step);
         }
       }
       P node[3];

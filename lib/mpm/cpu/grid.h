@@ -49,7 +49,7 @@ class Grid {
   }
 
  private:
-  static constexpr int kRow = 4 * kBlock;  // numbers of a row of a block
+  static constexpr int kNodeRow = 4 * kBlock;  // numbers of a line of a block's nodes along z
   // Numbers that velocities are moved by in their memory, half a page and a line of cache: a processor that compares
   // the last twelve bits of addresses first would take a read of a node's velocity for one of the momentum just
   // written.
@@ -58,9 +58,9 @@ class Grid {
   size_t offset(const int* block) const {
     return layout.offset(kBlock * block[0], kBlock * block[1], kBlock * block[2]);
   }
-  // Calls function(row of the block, offset of its first number) for the rows of a block.
+  // Calls function(r, offset of its first number) for the 16 node rows of a block.
   template <class Function>
-  void for_each_row(const GridBlock& block, const Function& function) const {
+  void for_each_node_row(const GridBlock& block, const Function& function) const {
     const size_t first = offset(block.position);
     for (int r = 0; r < kBlock * kBlock; ++r) {
       function(r, first + r / kBlock * layout.step_x() + r % kBlock * layout.step_y());
@@ -100,10 +100,10 @@ void Grid<T>::prepare() {
 template <class T>
 void Grid<T>::clear() {
   for (const GridBlock& block : map_.grid_blocks) {
-    for_each_row(block, [&](int, size_t at) {
-      std::memset(velocity_.data() + kApart + at, 0, kRow * sizeof(T));
-      std::memset(momentum_.data() + at, 0, kRow * sizeof(T));
-      if (setup_.measure_steps) std::memset(force_free_.data() + at, 0, kRow * sizeof(T));
+    for_each_node_row(block, [&](int, size_t at) {
+      std::memset(velocity_.data() + kApart + at, 0, kNodeRow * sizeof(T));
+      std::memset(momentum_.data() + at, 0, kNodeRow * sizeof(T));
+      if (setup_.measure_steps) std::memset(force_free_.data() + at, 0, kNodeRow * sizeof(T));
     });
   }
 }
@@ -148,7 +148,7 @@ template <class T>
 template <bool kMeasure>
 double Grid<T>::update_block(int index, double dt) {
   const GridBlock& block = map_.grid_blocks[index];
-  typedef T Nodes __attribute__((vector_size(kRow * sizeof(T))));  // of one row
+  typedef T Nodes __attribute__((vector_size(kNodeRow * sizeof(T))));  // of one node row
   Nodes nodes[kBlock * kBlock];
   alignas(64) T arrived[kMeasure ? 4 * kBlockNodes : 1], free[kMeasure ? 4 * kBlockNodes : 1];
   alignas(64) T received[4 * kBlockNodes];  // where obstacles are
@@ -164,18 +164,18 @@ double Grid<T>::update_block(int index, double dt) {
   };
   const size_t ahead = static_cast<size_t>(index) + 2;
   if (ahead < map_.grid_blocks.size()) {
-    for_each_row(map_.grid_blocks[ahead], [&](int, size_t at) PHYSMAS_LAMBDA_INLINE {
+    for_each_node_row(map_.grid_blocks[ahead], [&](int, size_t at) PHYSMAS_LAMBDA_INLINE {
       __builtin_prefetch(momentum_.data() + at, 1);
       __builtin_prefetch(velocity_.data() + kApart + at, 1);
     });
   }
-  for_each_row(block, [&](int r, size_t at) PHYSMAS_LAMBDA_INLINE {
+  for_each_node_row(block, [&](int r, size_t at) PHYSMAS_LAMBDA_INLINE {
     Nodes u;
     std::memcpy(&u, momentum_.data() + at, sizeof(u));
     std::memset(momentum_.data() + at, 0, sizeof(u));
-    if (obstacle) std::memcpy(received + kRow * r, &u, sizeof(u));
+    if (obstacle) std::memcpy(received + kNodeRow * r, &u, sizeof(u));
     if constexpr (kMeasure) {
-      std::memcpy(arrived + kRow * r, force_free_.data() + at, sizeof(u));
+      std::memcpy(arrived + kNodeRow * r, force_free_.data() + at, sizeof(u));
       std::memset(force_free_.data() + at, 0, sizeof(u));
     }
     const Nodes mass = __builtin_shufflevector(u, u, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12);
@@ -190,14 +190,14 @@ double Grid<T>::update_block(int index, double dt) {
     largest = Nodes{};
     for (const Nodes& u : nodes) see(u);
   }
-  for_each_row(block,
-               [&](int r, size_t at) { std::memcpy(velocity_.data() + kApart + at, &nodes[r], sizeof(nodes[r])); });
+  for_each_node_row(
+      block, [&](int r, size_t at) { std::memcpy(velocity_.data() + kApart + at, &nodes[r], sizeof(nodes[r])); });
   if constexpr (kMeasure) {
     energy_[index] = {};
     for (int i = 0; i < kBlockNodes; ++i) measure_node(arrived + 4 * i, free + 4 * i, numbers + 4 * i, energy_[index]);
   }
   T speed = 0;
-  for (int k = 0; k < kRow; ++k) speed = largest[k] > speed ? largest[k] : speed;
+  for (int k = 0; k < kNodeRow; ++k) speed = largest[k] > speed ? largest[k] : speed;
   return double(speed);
 }
 

@@ -1,11 +1,11 @@
 // Carries registers of particles to the grid and back: columns (column_transfer.h) all at once, others particle by
-// particle (row_transfer.h).
+// particle (node_row_transfer.h).
 #ifndef PHYSMAS_MPM_CPU_GRID_EXCHANGE_H
 #define PHYSMAS_MPM_CPU_GRID_EXCHANGE_H
 
 #include "mpm/cpu/column_transfer.h"
 #include "mpm/cpu/grid_layout.h"
-#include "mpm/cpu/row_transfer.h"
+#include "mpm/cpu/node_row_transfer.h"
 
 namespace physmas::mpm {
 
@@ -24,7 +24,8 @@ class GridExchange {
 
   // nodes: velocities from the block's first node on. x: the particles' positions, W numbers an axis [cells from that
   // node]. lanes: those that hold particles; others get zeros.
-  __attribute__((noinline)) void gather_rows(const T* nodes, const T* x, LaneBits lanes, GridNumbers<T>& out) const {
+  __attribute__((noinline)) void gather_particles(const T* nodes, const T* x, LaneBits lanes,
+                                                  GridNumbers<T>& out) const {
     const Vec3<V> at = load(x);
     const Vec3<V> base = base_of(at);
     const Place<V> place = place_of(at, base);
@@ -32,7 +33,7 @@ class GridExchange {
     alignas(64) int offset[W];
     write_offsets(base, offset);
     alignas(64) T record[W][16];
-    const RowSteps step = step_;
+    const NodeSteps step = step_;
     if (lanes != kAllLanes<T>) std::memset(record, 0, sizeof(record));
     for (; lanes != 0; lanes &= lanes - 1) {
       const int l = __builtin_ctz(lanes);
@@ -48,9 +49,9 @@ class GridExchange {
   }
 
   // nodes: what they have received, from the block's first on. in: with weights that belong to x.
-  __attribute__((noinline)) void scatter_rows(T* nodes, const T* x, LaneBits lanes, GridNumbers<T>& in) const {
+  __attribute__((noinline)) void scatter_particles(T* nodes, const T* x, LaneBits lanes, GridNumbers<T>& in) const {
     const Vec3<V> base = base_of(load(x));
-    const V start = row_start(base.z);
+    const V start = node_row_start(base.z);
     const LaneBits later = lane_bits(base.z > start);
     alignas(64) int offset[W];
     write_offsets({base.x, base.y, start}, offset);
@@ -62,23 +63,23 @@ class GridExchange {
       (V(in.weight[k / 3], stdx::vector_aligned) * V(in.weight[3 + k % 3], stdx::vector_aligned))
           .copy_to(wxy[k], stdx::vector_aligned);
     }
-    const RowSteps step = step_;
-    Row<T> sum[9];
+    const NodeSteps step = step_;
+    NodeRow<T> sum[9];
     const auto clear = [&] {
-      for (Row<T>& s : sum) s = Row<T>::zero();
+      for (NodeRow<T>& s : sum) s = NodeRow<T>::zero();
     };
     clear();
     int corner = offset[lanes != 0 ? __builtin_ctz(lanes) : 0];
     for (; lanes != 0; lanes &= lanes - 1) {
       const int l = __builtin_ctz(lanes);
       if (offset[l] != corner) {
-        add_rows(sum, nodes + corner, step);
+        add_node_rows(sum, nodes + corner, step);
         clear();
         corner = offset[l];
       }
       scatter_particle(sum, later >> l & 1, wxy[0] + l, in.weight[6] + l, record[l]);
     }
-    add_rows(sum, nodes + corner, step);
+    add_node_rows(sum, nodes + corner, step);
   }
 
   // The base node of a column's lanes. column: the block's cell that is the column's lowest.
@@ -127,7 +128,7 @@ class GridExchange {
     return cell / (kBlock * kBlock) * step_.x + cell / kBlock % kBlock * step_.y + cell % kBlock * 4;
   }
 
-  const RowSteps step_;
+  const NodeSteps step_;
 };
 
 }  // namespace physmas::mpm

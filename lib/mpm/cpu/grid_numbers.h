@@ -8,7 +8,7 @@ namespace physmas::mpm {
 
 // A vector and a matrix per lane. From the grid: the velocity v, and its first moments about the particle
 // Σ w v (node − particle) [cells]. To the grid: P and Q, of which a node gets w (P + Q (node − centre node)), and the
-// mass. The numbers of a lane, one below the other, are the record that row transfers work with.
+// mass. The numbers of a lane, one below the other, are the record that transfers of one particle work with.
 template <class T>
 struct GridNumbers {
   using V = Lanes<T>;

@@ -79,9 +79,9 @@ double affine_kinetic(const V& mass, const Vec3<V>& v, const Mat3<V>& C, double 
   return sum;
 }
 
-// One group of particles in one substep. Lanes whose volume is zero count for nothing.
+// One register of particles in one substep. Lanes whose volume is zero count for nothing.
 template <class V>
-struct GroupMotion {
+struct RegisterMotion {
   V mass, volume;
   Vec3<V> x;                       // after the substep, in cells from `origin`
   Mat3<V> F_before, F_trial, F;    // before the substep, before and after the return map
@@ -89,11 +89,11 @@ struct GroupMotion {
   Mat3<V> C_gathered, C, C_moved;  // likewise; what F advanced with
 };
 
-// Adds the group's state energy and, unless dt is 0 (a state that was just loaded), its losses and works.
+// Adds the register's state energy and, unless dt is 0 (a state that was just loaded), its losses and works.
 // branch: [lanes]; origin: position of the cells' origin [m].
 template <class V>
-void measure_group(const GroupMotion<V>& g, const MaterialParameters<V>& parameters, const Branch* branch,
-                   const Vec3d& origin, const Vec3d& gravity, double dx, double dt, ParticleEnergy& out) {
+void measure_register(const RegisterMotion<V>& g, const MaterialParameters<V>& parameters, const Branch* branch,
+                      const Vec3d& origin, const Vec3d& gravity, double dx, double dt, ParticleEnergy& out) {
   using namespace budget_detail;
   out.state += affine_kinetic(g.mass, g.v, g.C, dx);
   if (dt > 0) {

@@ -20,11 +20,11 @@ void ParticleStore<T>::sort() {
   std::vector<std::array<int, 27>> leaving(blocks);
   team_.for_each(blocks, [&](int b) {
     leaving[b] = {};
-    for (int group = old[b].begin / W; group < (old[b].begin + old[b].slots) / W; ++group) {
+    for (int reg = old[b].begin / W; reg < (old[b].begin + old[b].slots) / W; ++reg) {
       using V = Lanes<T>;
       V cell(T(0)), code(T(0));
       for (int axis = 0; axis < 3; ++axis) {
-        const V x_here(numbers(group) + axis * W, stdx::vector_aligned);
+        const V x_here(numbers(reg) + axis * W, stdx::vector_aligned);
         const V base = at_most(at_least(round_down(x_here - T(0.5)), V(T(-1))), V(T(kBlock)));
         const V block = select(base < V(T(0)), V(T(0)), select(base < V(T(kBlock)), V(T(1)), V(T(2))));
         cell = cell * T(kBlock) + (base - T(kBlock) * (block - T(1)));
@@ -34,8 +34,8 @@ void ParticleStore<T>::sort() {
       cell.copy_to(cells, stdx::vector_aligned);
       code.copy_to(codes, stdx::vector_aligned);
       for (int l = 0; l < W; ++l) {
-        departures_[group * W + l] = {static_cast<std::uint8_t>(cells[l]), static_cast<std::uint8_t>(codes[l])};
-        leaving[b][static_cast<int>(codes[l])] += registers[group].lanes >> l & 1;
+        departures_[reg * W + l] = {static_cast<std::uint8_t>(cells[l]), static_cast<std::uint8_t>(codes[l])};
+        leaving[b][static_cast<int>(codes[l])] += registers[reg].lanes >> l & 1;
       }
     }
   });
@@ -87,16 +87,16 @@ void ParticleStore<T>::sort() {
   const int now = static_cast<int>(map.particle_blocks.size());
   const size_t step = static_cast<size_t>(channels_) * W;
   team_.for_each(now, [&](int b) {
-    for_each_register(b, [&](int group, const Arrival* const* from) {
+    for_each_register(b, [&](int reg, const Arrival* const* from) {
       // What comes there was not far away before.
-      prefetch(group + kPrefetchSort);
+      prefetch(reg + kPrefetchSort);
       const T* numbers_of[W];
       for (int l = 0; l < W; ++l) {
         const unsigned slot = from[l] ? from[l]->source : 0;
         numbers_of[l] = from[l] ? numbers_.data() + slot / W * step + slot % W : empty_.data() + l;
-        spare_particle_[group * W + l] = from[l] ? particle[slot] : -1;
+        spare_particle_[reg * W + l] = from[l] ? particle[slot] : -1;
       }
-      T* const to = other_.data() + group * step;
+      T* const to = other_.data() + reg * step;
       for (int c = 0; c < channels_; ++c) {
         for (int l = 0; l < W; ++l) to[c * W + l] = numbers_of[l][c * W];
       }
@@ -107,10 +107,10 @@ void ParticleStore<T>::sort() {
         const int moved[3] = {code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1};
         for (int axis = 0; axis < 3; ++axis) {
           T& x_here = to[axis * W + l];
-          x_here = from[l] ? x_here - T(kBlock * moved[axis]) : rest(group * W + l, axis);
+          x_here = from[l] ? x_here - T(kBlock * moved[axis]) : rest(reg * W + l, axis);
         }
       }
-      describe(group, from, &spare_particle_[group * W]);
+      describe(reg, from, &spare_particle_[reg * W]);
     });
   });
   particle.swap(spare_particle_);

@@ -68,24 +68,24 @@ class ParticleStore {
   int slots() const { return slots_; }
   // The numbers of a register of slots, W per channel: x, F, volume, then the optional ones.
   static constexpr int kDeformation = 3, kVolume = 12;
-  PHYSMAS_INLINE T* numbers(int group) { return numbers_.data() + static_cast<size_t>(group) * channels_ * W; }
+  PHYSMAS_INLINE T* numbers(int reg) { return numbers_.data() + static_cast<size_t>(reg) * channels_ * W; }
   // Brings them into the nearest cache only, since others are full of nodes, for reading or writing. No register need
   // be there.
-  PHYSMAS_INLINE void prefetch(int group) const {
-    const T* at = numbers_.data() + static_cast<size_t>(group) * channels_ * W;
+  PHYSMAS_INLINE void prefetch(int reg) const {
+    const T* at = numbers_.data() + static_cast<size_t>(reg) * channels_ * W;
     for (int c = 0; c < channels_; ++c) __builtin_prefetch(at + c * W, 0, 0);
-    __builtin_prefetch(particle.data() + static_cast<size_t>(group) * W, 1);
+    __builtin_prefetch(particle.data() + static_cast<size_t>(reg) * W, 1);
   }
   size_t bytes() const;
 
  private:
   struct Slot {
-    int group = -1, lane = 0;  // -1: none
+    int reg = -1, lane = 0;  // register, -1: none
   };
-  Slot column_place(int begin, int end, int group, int lane);
-  Slot loose_particle(int begin, int end, int group, int lane);
+  Slot column_place(int begin, int end, int reg, int lane);
+  Slot loose_particle(int begin, int end, int reg, int lane);
   Slot loose_place(int begin, int end, int row) const;
-  void move(int group, int lane, const Slot& to);
+  void move(int reg, int lane, const Slot& to);
   void place();
   // Where an empty slot's particle rests [cells]: inside its cell of a column, so that it does not stray.
   T rest(int slot, int axis) const {
@@ -98,8 +98,9 @@ class ParticleStore {
   template <class Function>
   void for_each_register(int b, const Function& function) const;
   void bind();
-  // What the lanes of a group have in common. from: per lane, the arrival that it holds, or null; held: its particle.
-  void describe(int group, const Arrival* const* from, const int* held);
+  // What the lanes of a register have in common. from: per lane, the arrival that it holds, or null; held: its
+  // particle.
+  void describe(int reg, const Arrival* const* from, const int* held);
   // Calls function(channel, what an empty slot holds).
   template <class Function>
   void for_each_channel(const Function& function) {
@@ -181,9 +182,9 @@ long long ParticleStore<T>::load(const State& state) {
   particle.resize(slots_);
   team_.for_each(static_cast<int>(map.particle_blocks.size()), [&](int b) {
     const ParticleBlock& block = map.particle_blocks[b];
-    for_each_register(b, [&](int group, const Arrival* const* from) {
+    for_each_register(b, [&](int reg, const Arrival* const* from) {
       for (int l = 0; l < W; ++l) {
-        const int s = group * W + l, i = from[l] ? from[l]->source : -1;
+        const int s = reg * W + l, i = from[l] ? from[l]->source : -1;
         const bool real = i >= 0;
         particle[s] = i;
         volume[s] = real ? T(setup_.volume[i]) : T(0);
@@ -198,7 +199,7 @@ long long ParticleStore<T>::load(const State& state) {
           if (setup_.track_total_F) total_F[k][s] = real ? T(state.total_F[i][k / 3][k % 3]) : T(k % 4 == 0);
         }
       }
-      describe(group, from, &particle[group * W]);
+      describe(reg, from, &particle[reg * W]);
     });
   });
   return clamped;
@@ -248,7 +249,7 @@ void ParticleStore<T>::place() {
 }
 
 template <class T>
-void ParticleStore<T>::describe(int group, const Arrival* const* from, const int* held) {
+void ParticleStore<T>::describe(int reg, const Arrival* const* from, const int* held) {
   int row = -1;
   bool mixed = false;
   std::uint16_t control = 0;
@@ -261,24 +262,24 @@ void ParticleStore<T>::describe(int group, const Arrival* const* from, const int
     control = lanes == 0 || control == own ? own : kSeveral;
     lanes |= LaneBits(1) << l;
   }
-  Register& home = registers[group];
+  Register& home = registers[reg];
   home.row = mixed ? -1 : row;
   home.lanes = lanes;
   home.leaving = 0;
   home.control = control;
 }
 
-// Calls function(group, from) for all registers of block b, from[l] the arrival that lane l will hold, or null.
+// Calls function(reg, from) for all registers of block b, from[l] the arrival that lane l will hold, or null.
 template <class T>
 template <class Function>
 void ParticleStore<T>::for_each_register(int b, const Function& function) const {
   const ParticleBlock& block = map.particle_blocks[b];
   const Arrival* const first = arrivals_.data() + block.first;
   const int* index = layouts_[b].from.data();
-  for (int group = block.begin / W; group < (block.begin + block.slots) / W; ++group, index += W) {
+  for (int reg = block.begin / W; reg < (block.begin + block.slots) / W; ++reg, index += W) {
     const Arrival* from[W];
     for (int l = 0; l < W; ++l) from[l] = index[l] >= 0 ? first + index[l] : nullptr;
-    function(group, from);
+    function(reg, from);
   }
 }
 

@@ -97,14 +97,14 @@ int wander(ParticleStore<T>& store, double far, std::mt19937& random) {
   int left = 0;
   for (size_t b = 0; b < store.map.particle_blocks.size(); ++b) {
     const ParticleBlock& block = store.map.particle_blocks[b];
-    for (int group = block.begin / W; group < (block.begin + block.slots) / W; ++group) {
-      auto& home = store.registers[group];
+    for (int reg = block.begin / W; reg < (block.begin + block.slots) / W; ++reg) {
+      auto& home = store.registers[reg];
       for (int l = 0; l < W; ++l) {
         if ((home.lanes >> l & 1) == 0) continue;
         const int cell = home.column + l / kColumnSlots;
         const int corner[3] = {cell / (kBlock * kBlock), cell / kBlock % kBlock, cell % kBlock};
         for (int a = 0; a < 3; ++a) {
-          T& x = store.x[a][group * W + l];
+          T& x = store.x[a][reg * W + l];
           x += T(step(random));
           if (home.column >= 0 && std::floor(x - T(0.5)) != corner[a]) home.leaving |= LaneBits(1) << l;
         }
@@ -164,18 +164,18 @@ TEST_CASE("mpm particle store: a register whose strays find no place is no colum
   for (size_t b = 0; b < store.map.particle_blocks.size(); ++b) {
     const ParticleBlock& block = store.map.particle_blocks[b];
     // All particles of all columns leave the block's cells at once.
-    for (int group = block.begin / W; group < (block.begin + block.slots) / W; ++group) {
-      auto& home = store.registers[group];
+    for (int reg = block.begin / W; reg < (block.begin + block.slots) / W; ++reg) {
+      auto& home = store.registers[reg];
       if (home.column < 0) continue;
       ++columns;
       home.leaving = home.lanes;
       for (int l = 0; l < W; ++l) {
-        if ((home.lanes >> l & 1) != 0) store.x[0][group * W + l] = 4.75f;
+        if ((home.lanes >> l & 1) != 0) store.x[0][reg * W + l] = 4.75f;
       }
     }
     store.leave_columns(static_cast<int>(b));
-    for (int group = block.begin / W; group < (block.begin + block.slots) / W; ++group) {
-      const auto& home = store.registers[group];
+    for (int reg = block.begin / W; reg < (block.begin + block.slots) / W; ++reg) {
+      const auto& home = store.registers[reg];
       CHECK(home.leaving == 0);
       left += home.column >= 0;
     }

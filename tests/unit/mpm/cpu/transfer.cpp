@@ -82,7 +82,7 @@ void check_gather(int count, LaneBits lanes, double tolerance) {
     const LaneBits held[kColumnBatch] = {lanes, lanes, lanes, lanes};
     exchange.gather_columns(nodes.block(), kCell, count, particles.begin, held, out);
   } else {
-    exchange.gather_rows(nodes.block(), particles.x[0], lanes, out[0]);
+    exchange.gather_particles(nodes.block(), particles.x[0], lanes, out[0]);
   }
   double worst = 0;
   for (int r = 0; r < std::max(count, 1); ++r) {
@@ -140,7 +140,7 @@ void check_scatter(int count, LaneBits lanes, double tolerance) {
   if (count > 0) {
     exchange.scatter_columns(nodes.block(), kCell, count, in);
   } else {
-    exchange.scatter_rows(nodes.block(), particles.x[0], lanes, in[0]);
+    exchange.scatter_particles(nodes.block(), particles.x[0], lanes, in[0]);
   }
   double worst = 0;
   for (size_t i = 0; i < nodes.numbers.size(); ++i) {

@@ -1,42 +1,42 @@
 // Transfers of one particle, vectorised over the nodes of its stencil.
-#ifndef PHYSMAS_MPM_CPU_ROW_TRANSFER_H
-#define PHYSMAS_MPM_CPU_ROW_TRANSFER_H
+#ifndef PHYSMAS_MPM_CPU_NODE_ROW_TRANSFER_H
+#define PHYSMAS_MPM_CPU_NODE_ROW_TRANSFER_H
 
 #include <cstddef>
 
 #include "mpm/cpu/blocks.h"
-#include "mpm/cpu/row.h"
+#include "mpm/cpu/node_row.h"
 
 namespace physmas::mpm {
 
-// Numbers from a row of nodes to its neighbour along x and y.
-struct RowSteps {
+// Numbers from a node to its neighbour along x and y.
+struct NodeSteps {
   std::ptrdiff_t x, y;
 };
 
-// Nine rows of one particle's stencil, contracted one axis at a time. Results: velocity and the first moments
+// Nine NodeRows of one particle's stencil, contracted one axis at a time. Results: velocity and the first moments
 // Σ w v (node − centre node) along x, y and z in cells, four numbers each, the first of them without meaning.
 template <class T>
-PHYSMAS_INLINE Row<T> z_weights(const T* wz) {
-  using R = Row<T>;
+PHYSMAS_INLINE NodeRow<T> z_weights(const T* wz) {
+  using R = NodeRow<T>;
   return wz[0] * R::template unit<0>() + (wz[1] * R::template unit<1>() + wz[2] * R::template unit<2>());
 }
 
 // Nodes counted from the centre node along z.
 template <class T>
-PHYSMAS_INLINE Row<T> z_steps() {
-  return Row<T>::template unit<2>() - Row<T>::template unit<0>();
+PHYSMAS_INLINE NodeRow<T> z_steps() {
+  return NodeRow<T>::template unit<2>() - NodeRow<T>::template unit<0>();
 }
 
 template <class T>
-PHYSMAS_INLINE void gather_particle(const T* corner, const RowSteps& step, const T* wx, const T* wy, const T* wz,
+PHYSMAS_INLINE void gather_particle(const T* corner, const NodeSteps& step, const T* wx, const T* wy, const T* wz,
                                     T* out) {
-  using R = Row<T>;
+  using R = NodeRow<T>;
   R sum[3], slope[3];
   for (int i = 0; i < 3; ++i) {
-    const T* row = corner + i * step.x;
-    const R low = rounded(wy[0] * R::load(row)), last = R::load(row + 2 * step.y);
-    sum[i] = wy[2] * last + (wy[1] * R::load(row + step.y) + low);
+    const T* nodes = corner + i * step.x;
+    const R low = rounded(wy[0] * R::load(nodes)), last = R::load(nodes + 2 * step.y);
+    sum[i] = wy[2] * last + (wy[1] * R::load(nodes + step.y) + low);
     slope[i] = wy[2] * last - low;
   }
   const R low = rounded(wx[0] * sum[0]);
@@ -48,15 +48,16 @@ PHYSMAS_INLINE void gather_particle(const T* corner, const RowSteps& step, const
   R::sums_of_nodes(total, along_x, along_y, along_z).store(out);
 }
 
-// Rows of four nodes begin at every other node, so that particles of two neighbouring cells along z share them; at the
-// ends of a block's reach they begin where they do not leave it. Such a row's first node, for stencils from base on.
+// NodeRows begin at every other node, so that particles of two neighbouring cells along z share them; at the
+// ends of a block's reach they begin where they do not leave it. The first node of such a NodeRow, for stencils from
+// base on.
 template <class V>
-PHYSMAS_INLINE V row_start(const V& base) {
+PHYSMAS_INLINE V node_row_start(const V& base) {
   using T = Scalar<V>;
   return at_most(at_least(T(2) * round_down(T(0.5) * base), V(T(-1))), V(T(kBlock - 1)));
 }
 
-// Rows with 1 in the four numbers of one node, 0 to 3, and 0 elsewhere.
+// NodeRows with 1 in the four numbers of one node, 0 to 3, and 0 elsewhere.
 template <class T>
 struct NodeUnits {
   alignas(64) T number[4][16];
@@ -69,12 +70,12 @@ struct NodeUnits {
 template <class T>
 constexpr NodeUnits<T> kNodeUnits;
 
-// P2G (paper, Eq. p2g): adds w (P + Q (node − centre node)) to the sums of nine rows. record: {m, P}, and the columns
-// of Q, four numbers each. later: nodes of the row before the particle's own, 0 or 1; without a branch, since no one
-// could foretell it. wxy: products of the weights along x and y, a register's lanes apart.
+// P2G (paper, Eq. p2g): adds w (P + Q (node − centre node)) to the sums of nine NodeRows. record: {m, P}, and the
+// columns of Q, four numbers each. later: nodes of the NodeRow before the particle's own, 0 or 1; without a branch,
+// since no one could foretell it. wxy: products of the weights along x and y, a register's lanes apart.
 template <class T>
-PHYSMAS_INLINE void scatter_particle(Row<T>* sum, int later, const T* wxy, const T* wz, const T* record) {
-  using R = Row<T>;
+PHYSMAS_INLINE void scatter_particle(NodeRow<T>* sum, int later, const T* wxy, const T* wz, const T* record) {
+  using R = NodeRow<T>;
   constexpr int W = kLanes<T>;
   const T(*const unit)[16] = kNodeUnits<T>.number + later;
   const R first = R::load(unit[0]), last = R::load(unit[2]);
@@ -91,11 +92,11 @@ PHYSMAS_INLINE void scatter_particle(Row<T>* sum, int later, const T* wxy, const
 }
 
 template <class T>
-PHYSMAS_INLINE void add_rows(const Row<T>* sum, T* corner, const RowSteps& step) {
+PHYSMAS_INLINE void add_node_rows(const NodeRow<T>* sum, T* corner, const NodeSteps& step) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      T* row = corner + i * step.x + j * step.y;
-      (Row<T>::load(row) + sum[3 * i + j]).store(row);
+      T* nodes = corner + i * step.x + j * step.y;
+      (NodeRow<T>::load(nodes) + sum[3 * i + j]).store(nodes);
     }
   }
 }

@@ -1,7 +1,7 @@
 // The unit of work of grid transfers: three neighbouring nodes along z, four numbers each (plus a fourth node that
-// always has weight zero), 16 numbers in as few registers as the target allows. One particle touches nine such rows.
-#ifndef PHYSMAS_MPM_CPU_ROW_H
-#define PHYSMAS_MPM_CPU_ROW_H
+// always has weight zero), 16 numbers in as few registers as the target allows. One particle touches nine of them.
+#ifndef PHYSMAS_MPM_CPU_NODE_ROW_H
+#define PHYSMAS_MPM_CPU_NODE_ROW_H
 
 #include <cstring>
 #include <utility>
@@ -19,40 +19,40 @@ constexpr int kRegisterBytes = 16;
 #endif
 
 template <class T>
-struct Row {
+struct NodeRow {
   static constexpr int kPart = kRegisterBytes / static_cast<int>(sizeof(T));  // numbers per register
   static constexpr int kParts = 16 / kPart;
   typedef T Part __attribute__((vector_size(kRegisterBytes)));
   Part part[kParts];
 
-  PHYSMAS_INLINE static Row load(const T* p) {
-    Row r;
+  PHYSMAS_INLINE static NodeRow load(const T* p) {
+    NodeRow r;
     std::memcpy(&r.part, p, sizeof(r.part));
     return r;
   }
   PHYSMAS_INLINE void store(T* p) const { std::memcpy(p, &part, sizeof(part)); }
-  PHYSMAS_INLINE static Row zero() {
-    Row r;
+  PHYSMAS_INLINE static NodeRow zero() {
+    NodeRow r;
     for (int i = 0; i < kParts; ++i) r.part[i] = Part{};
     return r;
   }
   // The four numbers of node k at every node.
   template <int k>
-  PHYSMAS_INLINE Row repeat() const {
-    Row r;
+  PHYSMAS_INLINE NodeRow repeat() const {
+    NodeRow r;
     repeat_into<k>(r, std::make_index_sequence<kPart>());
     return r;
   }
   // 1 in the four numbers of node k, 0 elsewhere.
   template <int k>
-  PHYSMAS_INLINE static Row unit() {
-    Row r;
+  PHYSMAS_INLINE static NodeRow unit() {
+    NodeRow r;
     fill_unit<k>(r, std::make_index_sequence<kPart>());
     return r;
   }
-  // The sums over nodes of four rows, one row's sum per node of the result. Node 3 must be zero.
-  PHYSMAS_INLINE static Row sums_of_nodes(const Row& a, const Row& b, const Row& c, const Row& d) {
-    Row r;
+  // The sums over the nodes of a, b, c and d, one sum per node of the result. Node 3 must be zero.
+  PHYSMAS_INLINE static NodeRow sums_of_nodes(const NodeRow& a, const NodeRow& b, const NodeRow& c, const NodeRow& d) {
+    NodeRow r;
     if constexpr (kParts == 1) {
       const Part ab =
           __builtin_shufflevector(a.part[0], b.part[0], 0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23) +
@@ -71,9 +71,9 @@ struct Row {
     } else {
       // Parts of one node or of half a node.
       constexpr int kStep = kParts / 4;
-      const Row* rows[4] = {&a, &b, &c, &d};
+      const NodeRow* all[4] = {&a, &b, &c, &d};
       for (int i = 0; i < kParts; ++i) {
-        const Part* p = rows[i / kStep]->part + i % kStep;
+        const Part* p = all[i / kStep]->part + i % kStep;
         r.part[i] = p[0] + p[kStep] + p[2 * kStep];
       }
     }
@@ -82,7 +82,7 @@ struct Row {
 
  private:
   template <int k, size_t... I>
-  PHYSMAS_INLINE void repeat_into(Row& r, std::index_sequence<I...>) const {
+  PHYSMAS_INLINE void repeat_into(NodeRow& r, std::index_sequence<I...>) const {
     for (int p = 0; p < kParts; ++p) {
       // Where node k's numbers lie: inside one part, or, where a part is half a node, in two.
       const Part& from = part[kPart >= 4 ? 4 * k / kPart : 2 * k + p % 2];
@@ -91,33 +91,33 @@ struct Row {
     }
   }
   template <int k, size_t... I>
-  PHYSMAS_INLINE static void fill_unit(Row& r, std::index_sequence<I...>) {
+  PHYSMAS_INLINE static void fill_unit(NodeRow& r, std::index_sequence<I...>) {
     for (int p = 0; p < kParts; ++p) r.part[p] = Part{((p * kPart + static_cast<int>(I)) / 4 == k ? T(1) : T(0))...};
   }
 };
 
 template <class T>
-PHYSMAS_INLINE Row<T> operator+(const Row<T>& a, const Row<T>& b) {
-  Row<T> r;
-  for (int i = 0; i < Row<T>::kParts; ++i) r.part[i] = a.part[i] + b.part[i];
+PHYSMAS_INLINE NodeRow<T> operator+(const NodeRow<T>& a, const NodeRow<T>& b) {
+  NodeRow<T> r;
+  for (int i = 0; i < NodeRow<T>::kParts; ++i) r.part[i] = a.part[i] + b.part[i];
   return r;
 }
 template <class T>
-PHYSMAS_INLINE Row<T> operator-(const Row<T>& a, const Row<T>& b) {
-  Row<T> r;
-  for (int i = 0; i < Row<T>::kParts; ++i) r.part[i] = a.part[i] - b.part[i];
+PHYSMAS_INLINE NodeRow<T> operator-(const NodeRow<T>& a, const NodeRow<T>& b) {
+  NodeRow<T> r;
+  for (int i = 0; i < NodeRow<T>::kParts; ++i) r.part[i] = a.part[i] - b.part[i];
   return r;
 }
 template <class T>
-PHYSMAS_INLINE Row<T> operator*(const Row<T>& a, const Row<T>& b) {
-  Row<T> r;
-  for (int i = 0; i < Row<T>::kParts; ++i) r.part[i] = a.part[i] * b.part[i];
+PHYSMAS_INLINE NodeRow<T> operator*(const NodeRow<T>& a, const NodeRow<T>& b) {
+  NodeRow<T> r;
+  for (int i = 0; i < NodeRow<T>::kParts; ++i) r.part[i] = a.part[i] * b.part[i];
   return r;
 }
 template <class T>
-PHYSMAS_INLINE Row<T> operator*(T s, const Row<T>& a) {
-  Row<T> r;
-  for (int i = 0; i < Row<T>::kParts; ++i) r.part[i] = s * a.part[i];
+PHYSMAS_INLINE NodeRow<T> operator*(T s, const NodeRow<T>& a) {
+  NodeRow<T> r;
+  for (int i = 0; i < NodeRow<T>::kParts; ++i) r.part[i] = s * a.part[i];
   return r;
 }
 
@@ -131,8 +131,8 @@ PHYSMAS_INLINE Part rounded_part(Part a) {
   return a;
 }
 template <class T>
-PHYSMAS_INLINE Row<T> rounded(Row<T> a) {
-  for (int i = 0; i < Row<T>::kParts; ++i) a.part[i] = rounded_part(a.part[i]);
+PHYSMAS_INLINE NodeRow<T> rounded(NodeRow<T> a) {
+  for (int i = 0; i < NodeRow<T>::kParts; ++i) a.part[i] = rounded_part(a.part[i]);
   return a;
 }
 
@@ -154,22 +154,22 @@ PHYSMAS_INLINE void transpose_registers(Part* r) {
 
 // records[l][k] → lanes[k][l] for L records of 16 numbers, L the numbers in a register; and the way back.
 template <class T>
-PHYSMAS_INLINE void records_to_lanes(const T (*records)[16], T (*lanes)[Row<T>::kPart]) {
-  constexpr int L = Row<T>::kPart;
+PHYSMAS_INLINE void records_to_lanes(const T (*records)[16], T (*lanes)[NodeRow<T>::kPart]) {
+  constexpr int L = NodeRow<T>::kPart;
   for (int first = 0; first < 16; first += L) {
-    typename Row<T>::Part r[L];
+    typename NodeRow<T>::Part r[L];
     for (int l = 0; l < L; ++l) std::memcpy(&r[l], &records[l][first], sizeof(r[l]));
-    transpose_registers<typename Row<T>::Part, L>(r);
+    transpose_registers<typename NodeRow<T>::Part, L>(r);
     for (int k = 0; k < L; ++k) std::memcpy(&lanes[first + k], &r[k], sizeof(r[k]));
   }
 }
 template <class T>
-PHYSMAS_INLINE void lanes_to_records(const T (*lanes)[Row<T>::kPart], T (*records)[16]) {
-  constexpr int L = Row<T>::kPart;
+PHYSMAS_INLINE void lanes_to_records(const T (*lanes)[NodeRow<T>::kPart], T (*records)[16]) {
+  constexpr int L = NodeRow<T>::kPart;
   for (int first = 0; first < 16; first += L) {
-    typename Row<T>::Part r[L];
+    typename NodeRow<T>::Part r[L];
     for (int k = 0; k < L; ++k) std::memcpy(&r[k], &lanes[first + k], sizeof(r[k]));
-    transpose_registers<typename Row<T>::Part, L>(r);
+    transpose_registers<typename NodeRow<T>::Part, L>(r);
     for (int l = 0; l < L; ++l) std::memcpy(&records[l][first], &r[l], sizeof(r[l]));
   }
 }
