@@ -23,7 +23,7 @@ for line in sys.stdin:
 # What is wrong with the relative links of a page, one line each.
 broken_links() { # PAGE
   local link file
-  prose "$1" | grep -oE '\]\([^)]+\)' | sed -E 's/^\]\((.*)\)$/\1/' | sort -u | while IFS= read -r link; do
+  prose "$1" | perl -ne 'print "$1\n" while /\]\(([^)]+)\)/g' | sort -u | while IFS= read -r link; do
     [[ $link =~ ^(https?|mailto): ]] && continue
     file=$1
     [[ $link = \#* ]] || file=$(dirname "$1")/${link%%#*}
@@ -39,7 +39,7 @@ broken_links() { # PAGE
 # pattern (`lib/x.*`) must match something.
 missing_paths() { # PAGE
   local path
-  { grep -oP '(?<![\w/.-])(lib|schemas|examples|pipelines|tests|tools|docs)/[\w./*-]*[\w/*]' "$1" || true; } | sort -u |
+  perl -ne 'print "$1\n" while m{(?<![\w/.-])((?:lib|schemas|examples|pipelines|tests|tools|docs)/[\w./*-]*[\w/*])}g' "$1" | sort -u |
     while IFS= read -r path; do
       [[ $path =~ (^|/)[A-Z]+(\.|/|_|$) || $path =~ _NAME ]] && [ ! -e "$path" ] && continue
       compgen -G "$path" >/dev/null || echo "$1: $path is not there"

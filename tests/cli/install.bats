@@ -117,7 +117,8 @@ complete_words() { # TOOL WORD...
 }
 
 @test "completion: values where --help lists them, files and folders otherwise" {
-  mkdir folder && touch file.json
+  mkdir folder
+  touch file.json
   [ "$(complete_words pm-simulate --precision "" | xargs)" = "float double" ]
   [ "$(complete_words pm-simulate --precision d)" = double ]
   [ "$(complete_words pm-simulate --prec)" = --precision ]
