@@ -81,7 +81,7 @@ plain_FLAGS := $(PLAIN_OPT) -ffp-contract=off
 # much again, only for the sources that include it themselves. A precompiled header brings the flags along that it was
 # made with, so there is one for each way. Every source still includes what it uses: PRECOMPILE=0 and clang++ tell.
 PRECOMPILE ?= $(if $(findstring clang,$(CXX)),0,1)
-JSON_SOURCES := $(shell grep -rlE '^.include "records/json(_fields)?\.h"' --include=*.cpp lib tools tests)
+JSON_SOURCES := $(shell grep -rlE '^.include "records/(json|((json|run)_)?fields)\.h"' --include=*.cpp lib tools tests)
 common = $(if $(filter $(JSON_SOURCES),$(1)),records/json_headers.h,base/common_headers.h)
 ifeq ($(PRECOMPILE),1)
 precompiled = $(BUILD)/precompiled/$(way)/$(common).gch
@@ -335,6 +335,12 @@ verification: $(BIN)/pm-eval ## The solver against analytic answers, under refin
 # --- Installation and packages ------------------------------------------------------------------------------------
 
 include packaging/install.mk packaging/deb.mk
+
+# --- Schemas ------------------------------------------------------------------------------------------------------
+
+.PHONY: schemas
+schemas: $(BUILD)/test/write_schemas ## Write the schemas that stem from lists of fields again
+	$(Q)$< schemas
 
 # --- Housekeeping -------------------------------------------------------------------------------------------------
 

@@ -6,6 +6,7 @@
 #include "records/json.h"
 #include "records/overrides.h"
 #include "records/scene.h"
+#include "records/slices.h"
 
 using namespace physmas;
 

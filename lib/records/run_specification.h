@@ -1,4 +1,5 @@
-// The run specification: everything about a run that neither agent may change. Every field has a default.
+// The run specification: everything about a run that neither agent may change. Every field has a default. What a file
+// may say is listed in run_fields.h.
 #ifndef PHYSMAS_RECORDS_RUN_SPECIFICATION_H
 #define PHYSMAS_RECORDS_RUN_SPECIFICATION_H
 
@@ -118,6 +119,8 @@ RunSpecification run_specification_from(const Json& json, const std::string& fil
 
 // The complete specification, every default written out.
 Json to_json(const RunSpecification& run);
+// Of that, what the slices of `stages` hold (run_fields.h).
+Json to_json(const RunSpecification& run, unsigned stages);
 
 }  // namespace physmas
 

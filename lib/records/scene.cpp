@@ -14,60 +14,6 @@ namespace fs = std::filesystem;
 namespace physmas {
 namespace {
 
-// What each stage's slice holds. A change to anything else leaves the slice, and so the stage, alone.
-struct SliceContent {
-  const char* stage;
-  bool prompt, gaussians, view_images, view_cameras, output_cameras, authored;
-  std::vector<const char*> run;  // JSON pointers into `run`
-};
-
-const std::vector<SliceContent>& slice_contents() {
-  static const std::vector<SliceContent> kContents = {
-      {"ground",
-       true,
-       true,
-       true,
-       true,
-       false,
-       true,
-       {"/grid", "/walls", "/placement", "/time", "/segmentation", "/render/background",
-        "/ablation/object_part_state"}},
-      {"lift", false, true, false, true, false, false, {"/grid", "/walls", "/placement", "/particles", "/lifting"}},
-      {"material", false, false, true, true, false, false, {}},
-      {"candidates",
-       false,
-       false,
-       false,
-       false,
-       false,
-       false,
-       {"/grid", "/walls", "/time", "/placement", "/projection", "/screening/initial", "/screening/rounds",
-        "/screening/repairs", "/ablation/structure_projection", "/ablation/part_materials"}},
-      {"simulate",
-       false,
-       false,
-       false,
-       false,
-       false,
-       false,
-       {"/grid", "/placement", "/time", "/gravity", "/colliders", "/walls", "/profile", "/transport"}},
-      {"render", false, true, false, false, true, false, {"/time", "/render", "/screening/dark_luminance"}},
-      {"screen", false, false, false, false, false, false, {"/time/frames", "/screening"}},
-  };
-  return kContents;
-}
-
-// scene.json names a run specification by file, or holds it.
-Json resolve_run(const Json& document, const std::string& path, const std::string& root) {
-  if (!document.contains("run")) return Json::object();
-  if (!document.at("run").is_string()) return document.at("run");
-  const std::string file = resolve_inside(root, document.at("run").get<std::string>(), path, "/run");
-  Json run = load_record(file, "run");
-  run.erase("schema");
-  run.erase("provenance");
-  return run;
-}
-
 std::string resolve_field(const Json& document, const char* field, const std::string& root, const std::string& path) {
   if (!document.contains(field)) return "";
   return resolve_inside(root, document.at(field).get<std::string>(), path, std::string("/") + field);
@@ -84,37 +30,23 @@ void check_file_hashes(const Json& document, const std::string& root, const std:
   }
 }
 
-// Files under `folder`, sorted, as paths relative to `root`.
-std::vector<std::string> files_below(const std::string& folder, const std::string& root) {
-  std::set<std::string> files;
-  std::error_code failure;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, failure)) {
-    if (entry.is_regular_file()) files.insert(fs::path(entry.path()).lexically_relative(root).generic_string());
-  }
-  return {files.begin(), files.end()};
-}
-
 std::string relative_in(const std::string& file, const std::string& root) {
   const std::string relative = fs::path(file).lexically_relative(root).generic_string();
   if (relative.empty() || relative.rfind("..", 0) == 0) throw internal_error(file + " is outside the bundle " + root);
   return relative;
 }
 
-// The scene's output cameras, at the size that `overrides` asks for: the vertical angle of view stays.
-Json output_cameras_for(const Scene& scene, const Json& overrides) {
-  Json cameras = Json::array();
-  const Json render = overrides.contains("render") ? overrides.at("render") : Json::object();
-  for (Camera camera : scene.output_cameras) {
-    const int width = render.value("width", camera.width), height = render.value("height", camera.height);
-    const double x = double(width) / camera.width, y = double(height) / camera.height;
-    camera.fx *= y, camera.fy *= y, camera.cx *= x, camera.cy *= y;
-    camera.width = width, camera.height = height;
-    cameras.push_back(to_json(camera));
-  }
-  return cameras;
-}
-
 }  // namespace
+
+Json resolve_run(const Json& document, const std::string& path, const std::string& root) {
+  if (!document.contains("run")) return Json::object();
+  if (!document.at("run").is_string()) return document.at("run");
+  const std::string file = resolve_inside(root, document.at("run").get<std::string>(), path, "/run");
+  Json run = load_record(file, "run");
+  run.erase("schema");
+  run.erase("provenance");
+  return run;
+}
 
 Scene load_scene(const std::string& path, const SceneNeeds& needs) {
   const Json document = load_record(path, "scene");
@@ -189,59 +121,6 @@ void save_scene(const std::string& path, const Scene& scene, const Provenance& p
   if (!scene.masks.empty()) json["masks"] = relative_in(scene.masks, root);
   json["run"] = to_json(scene.run);
   save_record(path, "scene", provenance, json);
-}
-
-void write_slices(const std::string& scene_path, const Json& overrides, const std::string& folder) {
-  const Json document = load_record(scene_path, "scene");
-  if (document.contains("slice"))
-    throw invalid_field(scene_path, "/slice", document.at("slice"), "a whole scene, not a slice");
-  const std::string root = folder_of(scene_path);
-  Json run = resolve_run(document, scene_path, root);
-  run.merge_patch(overrides);
-  Json patched = document;
-  patched["run"] = run;
-  validate_record(patched, "scene", scene_path);
-  const Json whole = to_json(run_specification_from(run, scene_path, "/run"));
-  const Scene scene = load_scene(scene_path, {true, true, true, true});
-  const Json cameras = output_cameras_for(scene, overrides);
-  const fs::path slice_folder = fs::weakly_canonical(folder);
-  for (const SliceContent& content : slice_contents()) {
-    Json slice;
-    slice["name"] = scene.name;
-    slice["slice"] = content.stage;
-    slice["root"] = fs::weakly_canonical(root).lexically_relative(slice_folder).generic_string();
-    Json files = Json::object();
-    const auto add_file = [&](const std::string& relative) {
-      files[relative] = sha256_file(resolve_inside(root, relative, scene_path, "/" + relative));
-    };
-    if (content.prompt) slice["prompt"] = document.at("prompt");
-    if (content.gaussians) {
-      slice["gaussians"] = document.at("gaussians");
-      add_file(document.at("gaussians").get<std::string>());
-    }
-    if (content.view_cameras) {
-      slice["views"] = document.at("views");
-      if (content.view_images) {
-        for (const Json& view : document.at("views")) add_file(view.at("image").get<std::string>());
-      }
-    }
-    if (content.output_cameras) slice["output_cameras"] = cameras;
-    if (content.authored && document.contains("inventory")) {
-      slice["inventory"] = document.at("inventory");
-      add_file(document.at("inventory").get<std::string>());
-    }
-    if (content.authored && document.contains("masks")) {
-      slice["masks"] = document.at("masks");
-      for (const std::string& file : files_below(scene.masks, root)) add_file(file);
-    }
-    if (!files.empty()) slice["files"] = files;
-    Json part = Json::object();
-    for (const char* pointer : content.run) part[Json::json_pointer(pointer)] = whole.at(Json::json_pointer(pointer));
-    slice["run"] = part;
-    Provenance provenance;
-    provenance.tool = "pm-scene";
-    save_record((slice_folder / (std::string(content.stage) + ".json")).string(), "scene", provenance, slice);
-  }
 }
 
 }  // namespace physmas

@@ -56,9 +56,9 @@ Scene load_scene(const std::string& path, const SceneNeeds& needs);
 // never), output cameras one or T.
 void save_scene(const std::string& path, const Scene& scene, const Provenance& provenance);
 
-// Cuts `scene` into one slice per stage under `folder` (ground.json, lift.json, ...), each rewritten only when its
-// content changes. `overrides`: a run object whose fields win over the scene's (JSON merge patch, RFC 7396).
-void write_slices(const std::string& scene_path, const Json& overrides, const std::string& folder);
+// The run specification of a scene's document, which holds it or names its file; an empty object where it has none.
+// path, root: the document's file, and the bundle's folder.
+Json resolve_run(const Json& document, const std::string& path, const std::string& root);
 
 }  // namespace physmas
 

@@ -81,3 +81,26 @@ setup() { cd "$root"; }
   broken_links docs/b.md | grep -qF 'a.md#the-step: no such heading'
   [ "$(missing_paths docs/b.md)" = "docs/b.md: lib/base/eror.h is not there" ]
 }
+
+@test "docs: scenes.md has a row for every field of the run specification" {
+  run python3 - "$root" <<'EOF'
+import json, re, sys
+page = open(sys.argv[1] + "/docs/scenes.md").read()
+named = set()
+for row in page.splitlines():
+    if not row.startswith("| `"):
+        continue
+    section = ""
+    for name in re.findall(r"`([^`]+)`", row.split("|")[1]):  # `profile.foam_yield`, `.foam_viscosity`
+        if not name.startswith("."):
+            section = name.split(".")[0]
+        named.add(section + name if name.startswith(".") else name.replace("[]", ""))
+properties = json.load(open(sys.argv[1] + "/schemas/run.json"))["properties"]
+for name, schema in properties.items():
+    for field in [name + "." + field for field in schema.get("properties", {})] or [name]:
+        if name not in ("schema", "provenance") and field not in named:
+            print(field)
+EOF
+  [ "$status" -eq 0 ]
+  [ "$output" = "" ]
+}

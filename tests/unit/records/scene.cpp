@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "records/json.h"
 #include "records/overrides.h"
+#include "records/slices.h"
 
 using namespace physmas;
 namespace fs = std::filesystem;

@@ -1,0 +1,164 @@
+// A record's fields in one list, for its reader, its writer and its schema alike.
+//
+// The list of a record is a function template that calls `visitor.field(...)` once for each of its fields, in the order
+// of the file:
+//
+//   template <class Plate, class Visitor>
+//   void visit_fields(Plate& plate, Visitor& visitor) {
+//     visitor.field("radius", plate.radius, kPositive, "metres");
+//     visitor.field("glaze", choice(plate.glaze, kGlazes), {}, "what it is covered with");
+//   }
+//
+// A field is an int, a double, a bool, a text, a vector of three, a list, or one of several names (`choice`).
+#ifndef PHYSMAS_RECORDS_FIELDS_H
+#define PHYSMAS_RECORDS_FIELDS_H
+
+#include <array>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "records/json.h"
+#include "records/names.h"
+
+namespace physmas {
+
+// What a schema says of a value beyond its type.
+struct Rule {
+  const char* definition = nullptr;  // of schemas/common.json
+  double minimum = -std::numeric_limits<double>::infinity(), maximum = std::numeric_limits<double>::infinity();
+};
+inline constexpr Rule between(double minimum, double maximum) {
+  return {nullptr, minimum, maximum};
+}
+inline constexpr Rule kPositive = {"positive"}, kNotNegative = {"not_negative"}, kUnit = {"unit"}, kVec3 = {"vec3"};
+
+// A value whose name the file has: an enumeration, a flag with two names, or a text of a closed set.
+template <class T, class Names>
+struct Choice {
+  T& value;
+  const Names& names;
+};
+template <class T, class Names>
+Choice<T, Names> choice(T& value, const Names& names) {
+  return {value, names};
+}
+
+// Values as JSON. Records with fields of other types add overloads.
+template <class T>
+Json field_json(const T& value) {
+  return value;
+}
+inline Json field_json(const Eigen::Vector3d& value) {
+  return to_json(value);
+}
+template <class T, class Names>
+Json field_json(const Choice<T, Names>& field) {
+  if constexpr (std::is_same_v<std::remove_const_t<T>, std::string>)
+    return field.value;
+  else
+    return field.names[static_cast<size_t>(field.value)];
+}
+
+// Values from JSON that the schema let through.
+template <class T>
+void read_field(const Json& json, T& value) {
+  value = json.get<T>();
+}
+inline void read_field(const Json& json, Eigen::Vector3d& value) {
+  value = vector3_from(json);
+}
+template <class T, class Names>
+void read_field(const Json& json, Choice<T, Names>& field) {
+  if constexpr (std::is_same_v<T, std::string>)
+    field.value = json.get<std::string>();
+  else
+    field.value = static_cast<T>(index_of(field.names, json.get<std::string>()));
+}
+
+// Writes every field.
+class FieldWriter {
+ public:
+  template <class T>
+  void field(const char* name, const T& value, const Rule&, const char*) {
+    json_[name] = field_json(value);
+  }
+  Json take() { return std::move(json_); }
+
+ private:
+  Json json_ = Json::object();
+};
+
+// Reads the fields that are there; the others keep their values.
+class FieldReader {
+ public:
+  explicit FieldReader(const Json& json) : json_(json) {}
+  template <class T>
+  void field(const char* name, T&& value, const Rule&, const char*) {
+    const auto at = json_.find(name);
+    if (at == json_.end()) return;
+    read_field(*at, value);
+    ++read_;
+  }
+  int read() const { return read_; }  // how many were there
+
+ private:
+  const Json& json_;
+  int read_ = 0;
+};
+
+// What a value's type says in a schema.
+template <class T>
+Json field_schema(const T&) {
+  if constexpr (std::is_same_v<T, bool>)
+    return {{"type", "boolean"}};
+  else if constexpr (std::is_integral_v<T>)
+    return {{"type", "integer"}};
+  else if constexpr (std::is_floating_point_v<T>)
+    return {{"type", "number"}};
+  else if constexpr (std::is_same_v<T, std::string>)
+    return {{"type", "string"}};
+  else
+    return Json::object();  // a definition says it
+}
+template <class T, size_t N>
+Json field_schema(const std::array<T, N>&) {
+  return {{"type", "array"}, {"minItems", N}, {"maxItems", N}, {"items", field_schema(T())}};
+}
+template <class T, class Names>
+Json field_schema(const Choice<T, Names>& field) {
+  return {{"enum", field.names}};
+}
+
+// The schemas of the fields by name, as `properties` has them.
+class FieldSchema {
+ public:
+  template <class T>
+  void field(const char* name, const T& value, const Rule& rule, const char* description) {
+    Json schema = Json::object();
+    if (*description != '\0') schema["description"] = description;
+    if (rule.definition != nullptr) {
+      schema["$ref"] = std::string("common.json#/definitions/") + rule.definition;
+    } else {
+      schema.update(field_schema(value));
+      if (rule.minimum > -kNone) schema["minimum"] = number(value, rule.minimum);
+      if (rule.maximum < kNone) schema["maximum"] = number(value, rule.maximum);
+    }
+    properties_[name] = schema;
+  }
+  Json take() { return std::move(properties_); }
+
+ private:
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+  // Bounds look as whole as they are.
+  template <class T>
+  static Json number(const T&, double bound) {
+    return bound == static_cast<int>(bound) ? Json(static_cast<int>(bound)) : Json(bound);
+  }
+  Json properties_ = Json::object();
+};
+
+}  // namespace physmas
+
+#endif
