@@ -230,6 +230,16 @@ check-portable: $(BUILD)/gen/embedded_texts.cpp ## Compile the solver for proces
 	  $(CXX) $(CPPFLAGS) $(CXXFLAGS) -march=$$arch -Wno-psabi -fsyntax-only $(KERNELS) || exit; \
 	  echo "$(KERNELS) compile for $$arch"; done
 
+# The solver's laws for a GPU: tests/cuda/laws.cu compares them with plain numbers where there is one.
+NVCC ?= $(firstword $(shell command -v nvcc) $(wildcard /usr/local/cuda/bin/nvcc))
+.PHONY: check-cuda
+check-cuda: $(if $(NVCC),$(BUILD)/test/cuda/laws) ## Compile the solver's laws for a GPU where nvcc is found, and run them where a GPU is
+	$(Q)$(if $(NVCC),$<,echo 'nvcc not found: the laws are not compiled for a GPU, skipped')
+$(BUILD)/test/cuda/laws: tests/cuda/laws.cu tests/cuda/laws.h $(wildcard lib/mpm/math/*.h lib/mpm/material/*.h)
+	@mkdir -p $(@D)
+	$(call say,NVCC,$<)
+	$(Q)$(NVCC) -std=c++17 -O2 -Ilib -Itests --Werror all-warnings $< -o $@
+
 ifeq ($(SAN),1)
 export LSAN_OPTIONS := suppressions=$(abspath tests/leaks.supp):print_suppressions=0
 endif

@@ -39,10 +39,6 @@ inline Wide contract(const Mat3<Wide>& a, const Mat3<Wide>& b) {
   return dot(a[0], b[0]) + dot(a[1], b[1]) + dot(a[2], b[2]);
 }
 
-inline bool has_return_map(Branch b) {
-  return b == Branch::sand || b == Branch::foam || b == Branch::plasticine;
-}
-
 // Gradient of the energy of an F that has been through the return map, as a Kirchhoff stress; and the stress that acts.
 inline void stresses(Branch branch, const MaterialParameters<Wide>& p, const Mat3<Wide>& F, Mat3<Wide>& potential,
                      Mat3<Wide>& acting) {
@@ -62,7 +58,7 @@ inline void stresses(Branch branch, const MaterialParameters<Wide>& p, const Mat
 inline Wide foam_yield_loss(const MaterialParameters<Wide>& p, const Mat3<Wide>& F, const Wide& loss) {
   const Vec3<Wide> e = deviator(stretches(F).strain);
   const Wide after = norm(e), before = square_root(after * after + at_least(loss, Wide(0)) / p.mu);
-  return at_most(Wide(0.81649658092772603) * p.yield * (before - after), at_least(loss, Wide(0)));
+  return at_most(Wide(kRootTwoThirds) * p.yield * (before - after), at_least(loss, Wide(0)));
 }
 
 }  // namespace budget_detail

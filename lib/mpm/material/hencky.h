@@ -88,8 +88,8 @@ PHYSMAS_INLINE Vec3<T> project_to_cone(const Vec3<T>& tau, const MaterialParamet
 // One step by singular values: updates F (where it yields; elsewhere it stays bit for bit) and the strength of
 // plasticine, and returns the Kirchhoff stress. The reference for the polynomials below.
 template <class T>
-inline Mat3<T> update_hencky_by_svd(Branch branch, const MaterialParameters<T>& p, const T& dt, Mat3<T>& F,
-                                    T& strength) {
+PHYSMAS_HOST_DEVICE inline Mat3<T> update_hencky_by_svd(Branch branch, const MaterialParameters<T>& p, const T& dt,
+                                                        Mat3<T>& F, T& strength) {
   const Stretches<T> q = stretches(F);
   decltype(p.mu > p.mu) moved = T(1) < T(0);
   T trace_b(0);
@@ -142,8 +142,8 @@ PHYSMAS_INLINE HenckyStrain<T> select(const Condition& c, const HenckyStrain<T>&
 // For stretches that differ too much for ½ log b: ε = log V with the left stretch V = F Rᵀ. Returns where that does,
 // never where `done`; the other strains stay as they are.
 template <class T, class Condition>
-__attribute__((noinline)) Condition strain_of_left_stretch(const Mat3<T>& F, const T& J, const Condition& done,
-                                                           HenckyStrain<T>& strain) {
+PHYSMAS_CALL Condition strain_of_left_stretch(const Mat3<T>& F, const T& J, const Condition& done,
+                                              HenckyStrain<T>& strain) {
   const Mat3<T> V = times_transposed(F, polar_rotation(F));
   const Deviation<T> S = deviation(from_matrix(T(Scalar<T>(0.5)) * (V + transpose(V))));
   constexpr double kLow = 1.1 * kStretchFloor / (1 - kDeviationRange<T>);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/constants.h"
 #include "base/elasticity.h"
 #include "mpm/material/branch.h"
 #include "mpm/math/real.h"
@@ -56,9 +57,9 @@ inline MaterialParameters<double> derive_parameters(const Material& m, const Pro
   p.lambda = elastic.lambda;
   p.bulk = p.lambda + 2 * p.mu / 3;
   p.density = m.rho;
-  const double sine = std::sin(c.sand_friction_angle * 3.14159265358979323846 / 180);
+  const double sine = std::sin(c.sand_friction_angle * kPi / 180);
   p.inverse_mu = 1 / (2 * p.mu);
-  p.friction = std::sqrt(2.0 / 3.0) * 2 * sine / (3 - sine);
+  p.friction = kRootTwoThirds * 2 * sine / (3 - sine);
   p.strain_friction = p.friction * (3 * p.lambda + 2 * p.mu) * p.inverse_mu;
   p.alpha = c.drucker_prager_alpha;
   p.cohesion = m.branch == Branch::sand   ? c.sand_cohesion
@@ -82,7 +83,7 @@ PHYSMAS_INLINE MaterialParameters<T> map_parameters(const Function& to, const Ma
 }
 // In another type: the solver's precision, or the same in every SIMD lane.
 template <class T, class From>
-inline MaterialParameters<T> convert_parameters(const MaterialParameters<From>& p) {
+PHYSMAS_HOST_DEVICE inline MaterialParameters<T> convert_parameters(const MaterialParameters<From>& p) {
   return map_parameters<T>([](From number) { return T(static_cast<Scalar<T>>(number)); }, p);
 }
 template <class Condition, class T>

@@ -3,6 +3,7 @@
 #ifndef PHYSMAS_MPM_MATERIAL_PLASTICITY_H
 #define PHYSMAS_MPM_MATERIAL_PLASTICITY_H
 
+#include "base/constants.h"
 #include "mpm/material/material.h"
 #include "mpm/math/real.h"
 
@@ -44,7 +45,7 @@ template <class T, class Condition>
 PHYSMAS_INLINE Radial<T> foam_return(const T& mean, const T& size, const T& inverse, const T& trace_b,
                                      const MaterialParameters<T>& p, const T& dt, Condition& moved) {
   const T two_mu = p.mu + p.mu;
-  const T limit = Scalar<T>(0.81649658092772603) * p.yield * p.inverse_mu;
+  const T limit = Scalar<T>(kRootTwoThirds) * p.yield * p.inverse_mu;
   moved = size > limit;
   const T stiffness = two_mu * Scalar<T>(1.0 / 3.0) * trace_b * dt;
   const T rate = stiffness / at_least(stiffness + p.viscosity, T(kTiny<T>));
@@ -57,7 +58,7 @@ PHYSMAS_INLINE Radial<T> foam_return(const T& mean, const T& size, const T& inve
 template <class T, class Condition>
 PHYSMAS_INLINE Radial<T> plasticine_return(const T& mean, const T& size, const T& inverse,
                                            const MaterialParameters<T>& p, T& yield, Condition& moved) {
-  const T limit = Scalar<T>(0.81649658092772603) * yield * p.inverse_mu;
+  const T limit = Scalar<T>(kRootTwoThirds) * yield * p.inverse_mu;
   moved = size > limit;
   const T keep = select(moved, limit * inverse, T(1)), left = at_most(size, limit);
   yield = select(moved, at_least(yield - p.softening * (size - limit), at_most(p.residual_yield, yield)), yield);
@@ -76,7 +77,11 @@ PHYSMAS_INLINE Radial<T> return_map(Branch branch, const MaterialParameters<T>& 
   return {mean, T(1), size};
 }
 
-constexpr bool has_stress_cone(Branch branch) {
+PHYSMAS_HOST_DEVICE constexpr bool has_return_map(Branch branch) {
+  return branch == Branch::sand || branch == Branch::foam || branch == Branch::plasticine;
+}
+
+PHYSMAS_HOST_DEVICE constexpr bool has_stress_cone(Branch branch) {
   return branch == Branch::sand || branch == Branch::snow || branch == Branch::plasticine;
 }
 

@@ -102,12 +102,12 @@ PHYSMAS_INLINE T rest_stiffness(const MaterialParameters<T>& p) {
 // and a 2×2 block for each pair of directions. Return maps and the stress cut only take stiffness away, up to the
 // coupling of pressure into the deviator that Drucker–Prager adds.
 template <class T>
-inline T stiffness_bound(Branch branch, const MaterialParameters<T>& p, const Mat3<T>& F) {
+PHYSMAS_HOST_DEVICE inline T stiffness_bound(Branch branch, const MaterialParameters<T>& p, const Mat3<T>& F) {
   const Vec3<T> s = principal_stretches(cap_deformation(F));
   PrincipalTangent<T> t = branch == Branch::jelly   ? jelly_tangent(s, p.mu, p.bulk)
                           : branch == Branch::metal ? metal_tangent(s, p.mu, p.lambda)
                                                     : hencky_tangent(s, p.mu, p.lambda);
-  const bool cut = branch == Branch::sand || branch == Branch::snow || branch == Branch::plasticine;
+  const bool cut = has_stress_cone(branch);
   if (cut) t.tau = project_to_cone(t.tau, p);
   T normal(0), shear(0), stress(0);
   for (int i = 0; i < 3; ++i) {

@@ -9,8 +9,8 @@ namespace physmas::mpm {
 template <class T>
 struct Vec3 {
   T x, y, z;
-  T& operator[](int i) { return (&x)[i]; }
-  const T& operator[](int i) const { return (&x)[i]; }
+  PHYSMAS_HOST_DEVICE T& operator[](int i) { return (&x)[i]; }
+  PHYSMAS_HOST_DEVICE const T& operator[](int i) const { return (&x)[i]; }
 };
 
 template <class T>
@@ -46,8 +46,8 @@ PHYSMAS_INLINE T norm(const Vec3<T>& a) {
 template <class T>
 struct Mat3 {
   Vec3<T> row[3];
-  Vec3<T>& operator[](int i) { return row[i]; }
-  const Vec3<T>& operator[](int i) const { return row[i]; }
+  PHYSMAS_HOST_DEVICE Vec3<T>& operator[](int i) { return row[i]; }
+  PHYSMAS_HOST_DEVICE const Vec3<T>& operator[](int i) const { return row[i]; }
 };
 
 template <class T>

@@ -5,14 +5,24 @@
 #include <cmath>
 #include <limits>
 
-// Small functions of lanes must not become calls: their arguments would travel through memory. A GPU compiler will want
-// its own words here; sanitizers take minutes to instrument what is inlined into one function.
-#if defined(__SANITIZE_ADDRESS__)
+// Small functions of lanes must not become calls: their arguments would travel through memory. A GPU's compiler decides
+// for itself, and has to be told what runs on the device; sanitizers take minutes to instrument what is inlined into
+// one function.
+#if defined(__CUDACC__)
+#define PHYSMAS_HOST_DEVICE __host__ __device__
+#define PHYSMAS_INLINE __host__ __device__ inline
+#define PHYSMAS_LAMBDA_INLINE
+#define PHYSMAS_CALL __host__ __device__ __noinline__
+#elif defined(__SANITIZE_ADDRESS__)
+#define PHYSMAS_HOST_DEVICE
 #define PHYSMAS_INLINE inline
 #define PHYSMAS_LAMBDA_INLINE
+#define PHYSMAS_CALL __attribute__((noinline))
 #else
+#define PHYSMAS_HOST_DEVICE
 #define PHYSMAS_INLINE inline __attribute__((always_inline))
 #define PHYSMAS_LAMBDA_INLINE __attribute__((always_inline))
+#define PHYSMAS_CALL __attribute__((noinline))
 #endif
 
 namespace physmas::mpm {
@@ -27,9 +37,11 @@ using Scalar = typename ScalarOf<T>::Type;
 
 template <class T>
 constexpr Scalar<T> kEpsilon = std::numeric_limits<Scalar<T>>::epsilon();
+template <class T>
+constexpr Scalar<T> kSmallest = std::numeric_limits<Scalar<T>>::min();  // normal number
 // Far above the smallest normal number, so that its square root and its reciprocal stay ordinary numbers.
 template <class T>
-constexpr Scalar<T> kTiny = std::numeric_limits<Scalar<T>>::min() * Scalar<T>(1e4);
+constexpr Scalar<T> kTiny = Scalar<T>(1e4) * kSmallest<T>;
 
 template <int K, class T>
 PHYSMAS_INLINE T power(const T& x) {

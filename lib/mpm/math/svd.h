@@ -68,7 +68,7 @@ PHYSMAS_INLINE Svd<T> svd(const Mat3<T>& F) {
   using svd_detail::rotate_rows;
   const T largest = largest_entry(F);
   // Down to the smallest normal number, whose reciprocal is still finite.
-  const T scale = select(largest >= T(std::numeric_limits<Scalar<T>>::min()), largest, T(1));
+  const T scale = select(largest >= T(kSmallest<T>), largest, T(1));
   Mat3<T> B = (T(1) / scale) * F;
   Mat3<T> Ut = identity<T>();
   constexpr int kMaxSweeps = 12;
