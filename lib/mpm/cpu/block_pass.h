@@ -15,6 +15,8 @@ namespace physmas::mpm {
 // Particles stay this many cells away from the edge of the grid, inside the domain walls: every node of a stencil
 // exists.
 constexpr double kSafeCells = 2;
+// A strength [Pa] that no stress reaches; fits every type.
+constexpr double kNeverYields = 1e30;
 // Registers of particles that are fetched ahead.
 constexpr int kPrefetch = 2;
 
@@ -276,6 +278,9 @@ LaneBits BlockPass<T>::advance(Run& run, int reg, int column, GridNumbers<T>& nu
   s.volume = number(store_.kVolume);
   s.mass = p.density * s.volume;
   s.strength = kStrength && store_.has_strength ? V(&store_.strength[first], stdx::vector_aligned) : V(T(1));
+  // Without a step the stress alone is asked for. F has been through the return map already: where that has softened
+  // Plasticine, it would yield a second time.
+  if (!kGather) s.strength = V(T(kNeverYields));
   for (int a = 0; a < 3; ++a) {
     s.v[a] = kGather ? numbers.get(numbers.vector(a)) : V(&store_.v[a][first], stdx::vector_aligned);
     for (int b = 0; b < 3; ++b) {
@@ -297,7 +302,6 @@ LaneBits BlockPass<T>::advance(Run& run, int reg, int column, GridNumbers<T>& nu
     move(run, reg, forced, motion, s);
   }
 
-  // A prime pass only evaluates stress; its F has been through the return map already.
   if (kMeasure) measured.F_trial = s.F;
   const V evolved(kGather ? run.step : T(0));
   const Mat3<V> tau = kPlain ? update_branch(static_cast<Branch>(kKnown), p, evolved, s.F, s.strength)
