@@ -43,8 +43,16 @@ class CpuStepper final : public Stepper {
 
  private:
   void prepare();
+  // The phases of a substep. Where one follows another, G2P of a substep and P2G of the next are one pass over the
+  // particles, which read and write their numbers once.
+  void p2g(double dt, StepReport& report) { pass<false, true>(dt, report); }
+  void grid_update_and_contact(double dt, StepReport& report);
+  void g2p(double dt, StepReport& report) { pass<true, false>(dt, report); }
+  void g2p_and_p2g(double dt, StepReport& report) { pass<true, true>(dt, report); }
+
+  void expect_actions(double dt);
+  void sort_if_due(StepReport& report);
   void sort(StepReport& report);
-  void update_grid(double dt, StepReport& report);
   template <bool kGather, bool kScatter>
   void pass(double dt, StepReport& report);
 
@@ -97,7 +105,7 @@ void CpuStepper<T>::sort(StepReport& report) {
 }
 
 template <class T>
-void CpuStepper<T>::update_grid(double dt, StepReport& report) {
+void CpuStepper<T>::grid_update_and_contact(double dt, StepReport& report) {
   const Stopwatch watch;
   GridEnergy energy;
   // Particle velocities are convex combinations of node velocities, so none is faster than the fastest node.
@@ -153,33 +161,43 @@ void CpuStepper<T>::pass(double dt, StepReport& report) {
   report.seconds_particles += watch.seconds();
 }
 
+// Actions may move particles farther than the nodes do.
+template <class T>
+void CpuStepper<T>::expect_actions(double dt) {
+  if (!after_.active) return;
+  double enforced = 0, increment = 0;
+  for (const Control& c : after_.group) {
+    if (c.enforces()) enforced = std::max(enforced, c.top_speed());
+    const double weight = std::max(c.position.along, c.position.across);
+    if (weight > 0) increment = std::max(increment, weight * c.speed_limit);
+  }
+  // Motion that is enforced in one direction only keeps what it has in the others.
+  next_drift_ = std::hypot(next_drift_, enforced * dt / dx_) + increment * dt / dx_;
+}
+
+template <class T>
+void CpuStepper<T>::sort_if_due(StepReport& report) {
+  const bool strayed = static_cast<double>(strays_) > kStraysPerSort * static_cast<double>(setup_.row.size());
+  if (drift_ > 0 && (strayed || !(drift_ + next_drift_ <= kDriftLimit))) sort(report);
+}
+
 template <class T>
 StepReport CpuStepper<T>::advance(int steps, double dt, const ControlSource& controls, double energy_limit) {
   StepReport report;
   if (steps <= 0 || store_.slots() == 0) return report;
   before_.active = controls(0, before_.group);
-  pass<false, true>(dt, report);
+  p2g(dt, report);
   while (true) {
-    update_grid(dt, report);
+    grid_update_and_contact(dt, report);
     std::swap(after_, before_);
-    if (after_.active) {
-      double enforced = 0, increment = 0;
-      for (const Control& c : after_.group) {
-        if (c.enforces()) enforced = std::max(enforced, c.top_speed());
-        const double weight = std::max(c.position.along, c.position.across);
-        if (weight > 0) increment = std::max(increment, weight * c.speed_limit);
-      }
-      // Motion that is enforced in one direction only keeps what it has in the others.
-      next_drift_ = std::hypot(next_drift_, enforced * dt / dx_) + increment * dt / dx_;
-    }
-    const bool strayed = static_cast<double>(strays_) > kStraysPerSort * static_cast<double>(setup_.row.size());
-    if (drift_ > 0 && (strayed || !(drift_ + next_drift_ <= kDriftLimit))) sort(report);
+    expect_actions(dt);
+    sort_if_due(report);
     const bool last = report.steps + 1 == steps;
     if (last) {
-      pass<true, false>(dt, report);
+      g2p(dt, report);
     } else {
       before_.active = controls(report.steps + 1, before_.group);
-      pass<true, true>(dt, report);
+      g2p_and_p2g(dt, report);
     }
     drift_ += next_drift_;
     ++report.steps;

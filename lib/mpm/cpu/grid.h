@@ -67,8 +67,12 @@ class Grid {
     }
   }
   bool near_obstacle(const GridBlock& block) const;
-  // Nodes without mass, of which nobody asks, are left alone. received: {m, …} per node.
-  void apply_obstacles(const GridBlock& block, const T* received, T* nodes) const;
+  typedef T Nodes __attribute__((vector_size(kNodeRow * sizeof(T))));  // of one node row
+  // Grid update: what nodes have received, {m, p}, to {0, u}, and a fall by gravity [m/s].
+  static PHYSMAS_INLINE Nodes grid_update(const Nodes& received, const Nodes& fall);
+  // Contact: colliders, then walls. nodes: {0, u} of a block, changed. Nodes without mass, of which nobody asks, are
+  // left alone. received: {m, …} per node.
+  void contact(const GridBlock& block, const T* received, T* nodes) const;
   template <bool kMeasure>
   double update_block(int index, double dt);
 
@@ -124,8 +128,16 @@ bool Grid<T>::near_obstacle(const GridBlock& block) const {
   return false;
 }
 
+// u_a = p_a / m_a (paper, Eq. "gridupdate"), then gravity. A node without mass falls as well; no one sees it.
 template <class T>
-void Grid<T>::apply_obstacles(const GridBlock& block, const T* received, T* nodes) const {
+PHYSMAS_INLINE typename Grid<T>::Nodes Grid<T>::grid_update(const Nodes& received, const Nodes& fall) {
+  const Nodes moving = {0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1};
+  const Nodes mass = __builtin_shufflevector(received, received, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12);
+  return received * (mass > T(0) ? moving / mass : Nodes{}) + fall;
+}
+
+template <class T>
+void Grid<T>::contact(const GridBlock& block, const T* received, T* nodes) const {
   const int wall = setup_.domain.wall_cells, far_wall = setup_.domain.n - wall;
   for (int i = 0; i < kBlockNodes; ++i) {
     if (!(received[4 * i] > T(0))) continue;
@@ -143,12 +155,11 @@ void Grid<T>::apply_obstacles(const GridBlock& block, const T* received, T* node
   }
 }
 
-// Eq. gridupdate, then gravity, colliders and walls.
+// The phases between P2G and G2P, node row by node row while they are at hand.
 template <class T>
 template <bool kMeasure>
 double Grid<T>::update_block(int index, double dt) {
   const GridBlock& block = map_.grid_blocks[index];
-  typedef T Nodes __attribute__((vector_size(kNodeRow * sizeof(T))));  // of one node row
   Nodes nodes[kBlock * kBlock];
   alignas(64) T arrived[kMeasure ? 4 * kBlockNodes : 1], free[kMeasure ? 4 * kBlockNodes : 1];
   alignas(64) T received[4 * kBlockNodes];  // where obstacles are
@@ -156,7 +167,6 @@ double Grid<T>::update_block(int index, double dt) {
   const Vec3d& g = setup_.domain.gravity;
   const T gx = T(dt * g.x), gy = T(dt * g.y), gz = T(dt * g.z);
   const Nodes fall = {0, gx, gy, gz, 0, gx, gy, gz, 0, gx, gy, gz, 0, gx, gy, gz};
-  const Nodes moving = {0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1, 0, 1, 1, 1};
   Nodes largest = {};
   const auto see = [&](const Nodes& u) PHYSMAS_LAMBDA_INLINE {
     const Nodes size = u < 0 ? -u : u;
@@ -178,15 +188,14 @@ double Grid<T>::update_block(int index, double dt) {
       std::memcpy(arrived + kNodeRow * r, force_free_.data() + at, sizeof(u));
       std::memset(force_free_.data() + at, 0, sizeof(u));
     }
-    const Nodes mass = __builtin_shufflevector(u, u, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12);
-    u = u * (mass > T(0) ? moving / mass : Nodes{}) + fall;
+    u = grid_update(u, fall);
     see(u);
     nodes[r] = u;
   });
   T* const numbers = reinterpret_cast<T*>(nodes);
   if constexpr (kMeasure) std::memcpy(free, nodes, sizeof(nodes));
   if (obstacle) {
-    apply_obstacles(block, received, numbers);
+    contact(block, received, numbers);
     largest = Nodes{};
     for (const Nodes& u : nodes) see(u);
   }
