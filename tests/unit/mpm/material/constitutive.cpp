@@ -334,18 +334,3 @@ TEST_CASE(
   check(0.0f);
   check(0.0);
 }
-
-TEST_CASE("mpm constitutive: inverse cube root of lanes") {
-  const auto check = [](auto zero) {
-    using T = decltype(zero);
-    double worst = 0;
-    for (int k = -3000; k <= 9000; ++k) {
-      const T x = T(std::pow(10.0, k / 1000.0));
-      const double exact = 1 / std::cbrt(double(x));
-      worst = std::max(worst, std::fabs(double(inverse_cube_root(Lanes<T>(x))[0]) / exact - 1));
-    }
-    CHECK(worst < 3 * kEpsilon<T>);
-  };
-  check(0.0f);
-  check(0.0);
-}
