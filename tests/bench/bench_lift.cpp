@@ -89,7 +89,7 @@ std::vector<ViewMasks> true_masks(const bundle::SynthScene& scene, const Invento
   for (size_t v = 0; v < cameras.size(); ++v) {
     const splat::RenderedImage& image = renderer.render(cameras[v], {}, options);
     const Mask none{kSize, kSize, std::vector<uint8_t>(size_t(kSize) * kSize, 0), 1, "true"};
-    ViewMasks view{kViewNames[v], std::vector<Mask>(kTowers, none), std::vector<Mask>(inventory.rows.size())};
+    ViewMasks view{bundle::kViewNames[v], std::vector<Mask>(kTowers, none), std::vector<Mask>(inventory.rows.size())};
     for (size_t r = 0; r < scene.inventory.rows.size(); ++r) view.rows[r] = none;
     for (size_t p = 0; p < none.pixels.size(); ++p) {
       const int32_t r = image.label[p];
@@ -149,7 +149,7 @@ int main(int argc, char** argv) {
   try {
     const bundle::SynthScene synth = thinned(bundle::synthesize(towers(), "towers"));
     Inventory inventory = synth.inventory;
-    const std::vector<std::string> names(kViewNames.begin(), kViewNames.end());
+    const std::vector<std::string> names(bundle::kViewNames.begin(), bundle::kViewNames.end());
     plan::complete_inventory(inventory, names, "towers");
     const std::vector<Camera> cameras =
         bundle::view_cameras(bundle::means_of(synth.gaussians), 18, {"z", 40, 0.1, kSize, kSize});
