@@ -1,6 +1,8 @@
 // Frames are observations: how many are written changes no motion.
 #include <doctest/doctest.h>
 
+#include <string>
+
 #include "unit/mpm/scenes.h"
 
 using namespace mpm_test;
@@ -34,24 +36,25 @@ TEST_CASE("mpm frames: forty substeps are the same motion with one output frame 
   constexpr int kSteps = 40;
   const double dt = 5e-4, duration = kSteps * dt;
   for (const Precision precision : {Precision::full, Precision::single}) {
-    // Kernels that write frames round otherwise than those between frames, as fused multiply-adds fall differently:
-    // some roundings per substep, which contact and yield amplify little in so short a time.
-    const double roundings = 1e3 * (precision == Precision::full ? kEpsilon<double> : double(kEpsilon<float>));
+    const double rounding = precision == Precision::full ? kEpsilon<double> : double(kEpsilon<float>);
     for (int b = 0; b < kBranchCount; ++b) {
       const Problem p = pressed_block(static_cast<Branch>(b));
       const Outcome one = simulate(p, {2, duration, kSteps}, options(precision));
       const Outcome many = simulate(p, {kSteps + 1, dt, 1}, options(precision));
       REQUIRE(one.result.steps == many.result.steps);
-      CAPTURE(kBranchNames[b]);
-      const double apart = difference(p, one.state, many.state, duration);
-      CHECK(apart < roundings);
-      MESSAGE(kBranchNames[b], ": ", apart / roundings * 1e3, " roundings");
+      const Branch branch = static_cast<Branch>(b);
+      INFO(std::string(branch_name(branch)));
+      const double apart = difference(p, one.state, many.state, duration) / rounding;
+      // The substep before a frame is another instantiation of the pass, in which fused multiply-adds may fall
+      // differently; and the one after it takes the stress of the F that the return map wrote, not of the strain that
+      // it gave. Both are some roundings in each of forty frames.
+      CHECK(apart < 100);
       // The motion is no rest, and what yields has yielded.
       double farthest = 0;
       for (size_t i = 0; i < one.state.size(); ++i)
         farthest = std::max(farthest, norm(one.state.x[i] - p.particles.position[i]));
-      CHECK(farthest > 1e3 * roundings * p.domain.dx());
-      if (static_cast<Branch>(b) == Branch::plasticine) {
+      CHECK(farthest > 0.1 * p.domain.dx());
+      if (branch == Branch::plasticine) {
         double lowest = p.constants.plasticine_yield;
         for (const double s : one.state.strength) lowest = std::min(lowest, s);
         CHECK(lowest < 0.9 * p.constants.plasticine_yield);
