@@ -37,6 +37,7 @@ refuses() { # FILE INCLUDED TEXT
   printf '#include "base/a.h"\n#include "records/a.h"\n#include <vector>\n' >lib/scene/a.cpp
   printf '#include "mpm/a.h"\n#include "screen/a.h"\n' >lib/bind/a.cpp
   printf '#include "bind/a.h"\n#include "mpm/a.h"\n' >tools/pm-a.cpp
+  printf '#include "mpm/math/a.h"\n' >lib/splat/a.cpp
   printf '#include "mpm/math/a.h"\n#include "mpm/state.h"\n#include "base/a.h"\n' >lib/mpm/cpu/a.cpp
   run -0 check
   [ -z "$output" ]
@@ -45,6 +46,7 @@ refuses() { # FILE INCLUDED TEXT
 @test "includes: against the arrows" { refuses lib/records/a.cpp scene/a.h "records/ includes base, records only"; }
 @test "includes: from stage to stage" { refuses lib/screen/a.cpp lift/a.h "screen/ includes base, bundle, records, remote, scene, screen, splat only"; }
 @test "includes: the solver from a stage" { refuses lib/lift/a.h mpm/a.h "lift/ includes"; }
+@test "includes: the solver's kernels from the renderer" { refuses lib/splat/a.h mpm/cpu/a.h "splat/ includes"; }
 @test "includes: records from the solver" { refuses lib/mpm/math/a.h records/a.h "mpm/ includes base, mpm only"; }
 @test "includes: a back end from the solver's algebra" { refuses lib/mpm/math/a.h mpm/cpu/a.h "mpm/math/ includes base, mpm/math only"; }
 @test "includes: a stage from binding's other side" { refuses lib/bind/a.cpp studies/a.h "bind/ includes"; }
