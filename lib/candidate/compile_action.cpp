@@ -8,11 +8,8 @@
 namespace physmas::candidate {
 namespace {
 
-using Kind = ScheduleOperation::Kind;
-
 // The paper bounds its actions without printing the numbers; these are ours (docs/actions.md says why).
 constexpr double kSlabFraction = 0.2;         // thickness of every slab over the rows' extent
-constexpr int kImpulseSubsteps = 4;           // of the base step; the paper's
 constexpr double kCompressSpeed = 0.5;        // m/s, vertical_compress and side_compress
 constexpr double kScaleSpeed = 1;             // m/s
 constexpr double kTorqueSpeed = 1.5;          // m/s
@@ -44,7 +41,7 @@ class ActionCompiler {
       : context_(context), action_(action), file_(file), pointer_(pointer) {}
 
   ScheduleOperation compile() {
-    op_.kind = static_cast<Kind>(action_.type);
+    op_.kind = action_.type;
     op_.start = action_.start;
     op_.end = std::min(action_.end, context_.run.time.duration());
     op_.direction = action_.direction;
@@ -100,6 +97,8 @@ class ActionCompiler {
       case ActionType::support_hold:
         compile_hold(rows);
         break;
+      default:
+        throw internal_error("a plan with an operation that is no action");
     }
     return op_;
   }

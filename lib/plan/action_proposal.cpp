@@ -18,12 +18,6 @@ constexpr double kNoDirection = 1e-6;  // a vector shorter than this points nowh
 const char* const kDirectionForms =
     "up, down, left, right, forward, back, clockwise, counterclockwise, +x ... -z, \"toward ID\", or three numbers";
 
-// Whether the vocabulary knows a mover for the action; the others change the target itself.
-bool may_have_source(ActionType type) {
-  return type == ActionType::translation || type == ActionType::drag_pair || type == ActionType::top_press ||
-         type == ActionType::side_compress || type == ActionType::impulse;
-}
-
 class Compiler {
  public:
   Compiler(const Inventory& inventory, const SceneGeometry& geometry, const RunSpecification& run)
@@ -67,7 +61,7 @@ class Compiler {
     action.type = action_from(json.at("type").get<std::string>());
     action.target = resolve("target", json.at("target").get<std::string>(), json.at("target"));
     if (!json.at("source").is_null()) {
-      if (!may_have_source(action.type))
+      if (!action_line(action.type).moved)
         throw refused("source", json.at("source"), "null: this action changes the target itself");
       action.source = resolve("source", json.at("source").get<std::string>(), json.at("source"));
       if (action.source == action.target)
@@ -80,7 +74,7 @@ class Compiler {
     std::vector<std::string> corrections;
     const Json& magnitude = json.at("magnitude");
     action.magnitude = bounded_magnitude(
-        action.type, magnitude.is_null() ? range_of(action.type).magnitude : magnitude.get<double>(), corrections);
+        action.type, magnitude.is_null() ? action_line(action.type).magnitude : magnitude.get<double>(), corrections);
     for (const std::string& correction : corrections) note(correction);
     action.impact = action.type == ActionType::impulse ||
                     (!action.source.empty() && object_of(action.source) != object_of(action.target));
@@ -161,7 +155,7 @@ class Compiler {
   }
 
   void set_interval(const Json& json, PlanAction& action) {
-    const ActionRange range = range_of(action.type);
+    const ActionLine& range = action_line(action.type);
     const double whole = run_.time.duration();
     const Json &start = json.at("start"), &end = json.at("end");
     action.start = start.is_null() ? std::min(range.start, 0.1 * whole) : start.get<double>();

@@ -45,7 +45,7 @@ Eigen::Vector3d own_direction(const Event& event, ActionType type, const SceneGe
 }
 
 double wanted_magnitude(const Event& event, ActionType type) {
-  const ActionRange range = range_of(type);
+  const ActionLine& range = action_line(type);
   if (is_ratio(type)) {
     double change = (range.magnitude - 1) * event.strength;
     // To two thirds is as much as to one and a half.
@@ -57,10 +57,10 @@ double wanted_magnitude(const Event& event, ActionType type) {
 }
 
 double bounded_magnitude(ActionType type, double wanted, std::vector<std::string>& corrections) {
-  const ActionRange range = range_of(type);
+  const ActionLine& range = action_line(type);
   const double magnitude = std::min(std::max(wanted, range.min), range.max);
   if (magnitude != wanted && type != ActionType::support_hold) {
-    const char* unit = magnitude_unit(type);
+    const char* unit = range.unit;
     corrections.push_back(fmt::format("{} of {}{} brought to {}{} (bounds {}..{})", action_name(type), wanted, unit,
                                       magnitude, unit, range.min, range.max));
   }

@@ -21,9 +21,6 @@ Eigen::Vector3d own_direction(const Event& event, ActionType type, const SceneGe
 // The default of the action under the event's strength, or the speed it says; not bounded yet.
 double wanted_magnitude(const Event& event, ActionType type);
 
-// Impulses are "capped at four base substeps" (paper, Table "actions").
-constexpr double kImpulseSubsteps = 4;
-
 // `wanted` within the action's bounds; what was changed is added to `corrections`. A support_hold has none.
 double bounded_magnitude(ActionType type, double wanted, std::vector<std::string>& corrections);
 

@@ -300,7 +300,7 @@ class Compiler {
   }
 
   void set_interval(const Event& event, PlanAction& action) {
-    const ActionRange range = range_of(action.type);
+    const ActionLine& range = action_line(action.type);
     const double whole = run_.time.duration();
     action.start = event.delay ? *event.delay : std::min(range.start, 0.1 * whole);
     if (event.then && !event.delay && actions_before_ > 0) action.start = plan_.actions[actions_before_ - 1].end;

@@ -16,7 +16,7 @@ namespace physmas::plan {
 inline constexpr const char* kNotUnderstood = "not understood, left out: ";
 
 // Resolves the prompt against the inventory. Directions are unit vectors in scene axes; magnitudes are bounded by the
-// table in vocabulary.h; intervals lie within the run's duration. Everything that was defaulted,
+// table in records/actions.h; intervals lie within the run's duration. Everything that was defaulted,
 // bounded, left to gravity or not understood is said in `corrections`.
 // Errors (exit code 3, field /prompt of `file`): a thing that the inventory does not have or that fits several names;
 // they name the verb and the candidates.

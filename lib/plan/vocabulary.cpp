@@ -116,23 +116,4 @@ bool is_filler(const std::string& token) {
   return is_small(SmallWord::filler, token);
 }
 
-ActionRange range_of(ActionType type) {
-  static constexpr ActionRange kRanges[] = {
-      {ActionType::translation, 0.6, 0.05, 3.0, 0.0, 0.5},   {ActionType::top_press, 0.15, 0.02, 0.6, 0.1, 0.6},
-      {ActionType::radial_spread, 0.3, 0.05, 1.5, 0.1, 0.6}, {ActionType::vertical_compress, 0.6, 0.2, 1.0, 0.1, 0.6},
-      {ActionType::side_compress, 0.65, 0.2, 1.0, 0.1, 0.6}, {ActionType::drag_pair, 0.4, 0.05, 2.0, 0.0, 0.5},
-      {ActionType::scale, 1.5, 0.3, 3.0, 0.1, 0.6},          {ActionType::impulse, 1.5, 0.1, 6.0, 0.1, 0.0},
-      {ActionType::torque, 2.0, 0.2, 12.0, 0.1, 0.6},        {ActionType::support_hold, 0.0, 0.0, 0.0, 0.0, 1.0},
-  };
-  return kRanges[static_cast<int>(type)];
-}
-
-bool is_ratio(ActionType type) {
-  return type == ActionType::vertical_compress || type == ActionType::side_compress || type == ActionType::scale;
-}
-
-const char* magnitude_unit(ActionType type) {
-  return is_ratio(type) ? "" : type == ActionType::torque ? " rad/s" : " m/s";
-}
-
 }  // namespace physmas::plan

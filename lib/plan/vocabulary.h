@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "records/plan.h"
+#include "records/actions.h"
 
 namespace physmas::plan {
 
@@ -72,20 +72,6 @@ bool is_external(const std::string& noun);     // hand, someone, wind: acts from
 bool is_wind(const std::string& noun);         // wind, breeze, gust: its push is an impulse
 bool is_ground(const std::string& noun);       // floor, table: what the run's colliders stand for
 bool is_filler(const std::string& token);      // words that carry nothing for the plan
-
-// Bounds and defaults of the actions (seconds, fractions of the run's duration). Magnitudes are m/s of solver space,
-// rad/s of a torque, and final over rest extent of compressions and scale. The paper bounds magnitudes without printing
-// the bounds: these are ours (docs/actions.md).
-struct ActionRange {
-  ActionType type;
-  double magnitude, min, max;
-  double start;         // s
-  double end_fraction;  // of the run's duration
-};
-ActionRange range_of(ActionType type);
-// Whether the magnitude is a ratio of extents, so that a strength scales its distance from 1.
-bool is_ratio(ActionType type);
-const char* magnitude_unit(ActionType type);  // "m/s", "rad/s", or empty
 
 }  // namespace physmas::plan
 

@@ -96,7 +96,14 @@ class Parser {
   Meaning meaning_of(const std::string& name) const {
     if (name == "gravity") return {Meaning::Kind::gravity, {}};
     if (name == "outcome") return {Meaning::Kind::outcome, {}};
-    return {Meaning::Kind::action, static_cast<ActionType>(index_in(kActionNames, name))};
+    return {Meaning::Kind::action, action_of(name)};
+  }
+
+  ActionType action_of(const std::string& name) const {
+    for (const ActionLine& action : kActions) {
+      if (name == action.name) return action.kind;
+    }
+    fail("does not know \"" + name + "\"");
   }
 
   std::string direction_of(const std::string& name) const {

@@ -14,6 +14,7 @@
 #define PHYSMAS_RECORDS_FIELDS_H
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <type_traits>
@@ -27,10 +28,25 @@ namespace physmas {
 // What a schema says of a value beyond its type.
 struct Rule {
   const char* definition = nullptr;  // of schemas/common.json
+  // Of a number, or of each in a list.
   double minimum = -std::numeric_limits<double>::infinity(), maximum = std::numeric_limits<double>::infinity();
+  bool above = false;   // the minimum itself is not allowed
+  int least_items = 0;  // of a list
 };
 inline constexpr Rule between(double minimum, double maximum) {
   return {nullptr, minimum, maximum};
+}
+inline constexpr Rule at_least(double minimum, int least_items = 0) {
+  return {nullptr, minimum, std::numeric_limits<double>::infinity(), false, least_items};
+}
+inline constexpr Rule above(double minimum, double maximum) {
+  return {nullptr, minimum, maximum, true};
+}
+inline constexpr Rule above(double minimum, double maximum) {
+  return {nullptr, minimum, maximum, true};
+}
+inline constexpr Rule at_least(double minimum, int items = 0) {
+  return {nullptr, minimum, std::numeric_limits<double>::infinity(), false, items};
 }
 inline constexpr Rule kPositive = {"positive"}, kNotNegative = {"not_negative"}, kUnit = {"unit"}, kVec3 = {"vec3"};
 
@@ -77,17 +93,17 @@ void read_field(const Json& json, Choice<T, Names>& field) {
     field.value = static_cast<T>(index_of(field.names, json.get<std::string>()));
 }
 
-// Writes every field.
+// Writes every field into `json`.
 class FieldWriter {
  public:
+  explicit FieldWriter(Json& json) : json_(json) {}
   template <class T>
-  void field(const char* name, const T& value, const Rule&, const char*) {
+  void field(const char* name, const T& value, const Rule& = {}, const char* = "") {
     json_[name] = field_json(value);
   }
-  Json take() { return std::move(json_); }
 
  private:
-  Json json_ = Json::object();
+  Json& json_;
 };
 
 // Reads the fields that are there; the others keep their values.
@@ -108,26 +124,33 @@ class FieldReader {
   int read_ = 0;
 };
 
-// What a value's type says in a schema.
+// What a schema says of a value: its type and its bounds.
 template <class T>
-Json field_schema(const T&) {
-  if constexpr (std::is_same_v<T, bool>)
-    return {{"type", "boolean"}};
-  else if constexpr (std::is_integral_v<T>)
-    return {{"type", "integer"}};
-  else if constexpr (std::is_floating_point_v<T>)
-    return {{"type", "number"}};
-  else if constexpr (std::is_same_v<T, std::string>)
-    return {{"type", "string"}};
-  else
-    return Json::object();  // a definition says it
+Json field_schema(const T&, const Rule& rule) {
+  if (rule.definition != nullptr) return {{"$ref", std::string("common.json#/definitions/") + rule.definition}};
+  if constexpr (std::is_same_v<T, bool>) return {{"type", "boolean"}};
+  if constexpr (std::is_same_v<T, std::string>) return {{"type", "string"}};
+  Json schema = {{"type", std::is_integral_v<T> ? "integer" : "number"}};
+  const auto bound = [](double value) {
+    return value == static_cast<int>(value) ? Json(static_cast<int>(value)) : Json(value);
+  };
+  if (std::isfinite(rule.minimum)) schema[rule.above ? "exclusiveMinimum" : "minimum"] = bound(rule.minimum);
+  if (std::isfinite(rule.maximum)) schema["maximum"] = bound(rule.maximum);
+  return schema;
 }
 template <class T, size_t N>
-Json field_schema(const std::array<T, N>&) {
-  return {{"type", "array"}, {"minItems", N}, {"maxItems", N}, {"items", field_schema(T())}};
+Json field_schema(const std::array<T, N>&, const Rule& rule) {
+  return {{"type", "array"}, {"minItems", N}, {"maxItems", N}, {"items", field_schema(T(), rule)}};
+}
+template <class T>
+Json field_schema(const std::vector<T>&, const Rule& rule) {
+  Json schema = {{"type", "array"}};
+  if (rule.least_items > 0) schema["minItems"] = rule.least_items;
+  schema["items"] = field_schema(T(), rule);
+  return schema;
 }
 template <class T, class Names>
-Json field_schema(const Choice<T, Names>& field) {
+Json field_schema(const Choice<T, Names>& field, const Rule&) {
   return {{"enum", field.names}};
 }
 
@@ -136,26 +159,13 @@ class FieldSchema {
  public:
   template <class T>
   void field(const char* name, const T& value, const Rule& rule, const char* description) {
-    Json schema = Json::object();
+    Json& schema = properties_[name] = Json::object();
     if (*description != '\0') schema["description"] = description;
-    if (rule.definition != nullptr) {
-      schema["$ref"] = std::string("common.json#/definitions/") + rule.definition;
-    } else {
-      schema.update(field_schema(value));
-      if (rule.minimum > -kNone) schema["minimum"] = number(value, rule.minimum);
-      if (rule.maximum < kNone) schema["maximum"] = number(value, rule.maximum);
-    }
-    properties_[name] = schema;
+    schema.update(field_schema(value, rule));
   }
   Json take() { return std::move(properties_); }
 
  private:
-  static constexpr double kNone = std::numeric_limits<double>::infinity();
-  // Bounds look as whole as they are.
-  template <class T>
-  static Json number(const T&, double bound) {
-    return bound == static_cast<int>(bound) ? Json(static_cast<int>(bound)) : Json(bound);
-  }
   Json properties_ = Json::object();
 };
 

@@ -5,14 +5,6 @@
 
 namespace physmas {
 
-ActionType action_from(const std::string& name) {
-  return static_cast<ActionType>(index_of(kActionNames, name));
-}
-
-Follow follow_from(const std::string& name) {
-  return static_cast<Follow>(index_of(kFollowNames, name));
-}
-
 std::vector<int> resolve_rows(const Inventory& inventory, const std::string& reference) {
   std::vector<int> rows;
   for (size_t r = 0; r < inventory.rows.size(); ++r) {
@@ -37,7 +29,7 @@ std::vector<PlanAction> actions_from(const Json& list, const Inventory& inventor
     action.role = json.at("role").get<std::string>();
     action.impact = json.at("impact").get<bool>();
     action.slab = json.value("region", "whole") == "slab";
-    action.follow = follow_from(json.value("follow", "none"));
+    action.follow = static_cast<Follow>(index_of(kFollowNames, json.value("follow", "none")));
     if (action.end < action.start) throw invalid_field(path, pointer + "/end", action.end, "a time at or after /start");
     if (std::abs(action.direction.norm() - 1) > 1e-6)
       throw invalid_field(path, pointer + "/direction", json.at("direction"), "a unit vector");

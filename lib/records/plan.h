@@ -2,43 +2,14 @@
 #ifndef PHYSMAS_RECORDS_PLAN_H
 #define PHYSMAS_RECORDS_PLAN_H
 
-#include <array>
 #include <string>
 #include <vector>
 
+#include "records/actions.h"
 #include "records/inventory.h"
 #include "records/json.h"
 
 namespace physmas {
-
-// The supported vocabulary (paper, Table "actions"), in the paper's order.
-enum class ActionType : int {
-  translation = 0,
-  top_press,
-  radial_spread,
-  vertical_compress,
-  side_compress,
-  drag_pair,
-  scale,
-  impulse,
-  torque,
-  support_hold
-};
-constexpr int kActionCount = 10;
-inline constexpr std::array<const char*, kActionCount> kActionNames = {
-    "translation", "top_press", "radial_spread", "vertical_compress", "side_compress", "drag_pair",
-    "scale",       "impulse",   "torque",        "support_hold"};
-inline const char* action_name(ActionType type) {
-  return kActionNames[static_cast<int>(type)];
-}
-// name: one of kActionNames.
-ActionType action_from(const std::string& name);
-
-// Which particles of a target follow the puller of a drag_pair: none, those near it at rest, or all.
-enum class Follow : int { none = 0, interface, target };
-inline constexpr std::array<const char*, 3> kFollowNames = {"none", "interface", "target"};
-// name: one of kFollowNames.
-Follow follow_from(const std::string& name);
 
 struct PlanAction {
   ActionType type = ActionType::translation;

@@ -24,7 +24,6 @@ inline constexpr std::array<const char*, 3> kColliderTypes = {"plane", "box", "s
 inline constexpr std::array<const char*, 3> kColliderModes = {"sticky", "slip", "separate"};
 inline constexpr std::array<const char*, 2> kTimeRules = {"paper", "cfl"};
 inline constexpr std::array<const char*, 2> kOcclusions = {"none", "depth"};
-inline constexpr std::array<const char*, 2> kProjectionModes = {"literal", "rigid"};
 inline constexpr std::array<const char*, 2> kDeformations = {"elastic", "total"};
 
 // A vector for which a file may give one number, along `up`.

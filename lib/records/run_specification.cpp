@@ -34,9 +34,8 @@ class RunWriter {
   static Json json_of(const std::vector<Collider>& colliders) {
     Json list = Json::array();
     for (const Collider& collider : colliders) {
-      FieldWriter writer;
+      FieldWriter writer(list.emplace_back());
       visit_fields(collider, writer, false);
-      list.push_back(writer.take());
     }
     return list;
   }

@@ -112,6 +112,9 @@ struct RunSpecification {
   } render;
 };
 
+// Of Projection::rigid, false and true.
+inline constexpr std::array<const char*, 2> kProjectionModes = {"literal", "rigid"};
+
 // Reads a `run` object that its schema already accepted; absent fields keep their defaults. Checks what a schema
 // cannot (a collider's fields fit its type, normals are not zero, placement fits the cube, steps are consistent).
 // file, pointer: where `json` stands, for messages.

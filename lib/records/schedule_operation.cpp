@@ -1,126 +1,106 @@
 #include "records/schedule_operation.h"
 
-#include <array>
 #include <cmath>
 
-#include "records/json.h"
+#include "records/fields.h"
+#include "records/run_specification.h"
 
 namespace physmas {
 namespace {
 
-using Kind = ScheduleOperation::Kind;
-
-enum Field : unsigned {
-  kVelocity = 1,
-  kDirection = 2,
-  kSlab = 4,
-  kRatio = 8,
-  kRate = 16,
-  kSpeedLimit = 32,
-  kBlendTime = 64,
-  kPositionWeight = 128,
-  kFollow = 256,
-  kNeighbours = 512,
-  kProjection = 1024
-};
-
-struct KindLine {
-  const char* name;
-  unsigned fields;
-};
-constexpr std::array<KindLine, 12> kKinds = {
-    {{"translation", kVelocity},
-     {"top_press", kVelocity | kSlab},
-     {"radial_spread", kSpeedLimit | kBlendTime | kPositionWeight},
-     {"vertical_compress", kRatio | kSpeedLimit},
-     {"side_compress", kDirection | kSlab | kRatio | kSpeedLimit | kBlendTime | kPositionWeight},
-     {"drag_pair", kVelocity | kDirection | kSlab | kFollow | kNeighbours | kBlendTime},
-     {"scale", kDirection | kSlab | kRatio | kSpeedLimit},
-     {"impulse", kVelocity},
-     {"torque", kDirection | kSlab | kRate | kSpeedLimit | kBlendTime},
-     {"support_hold", kDirection | kSlab},
-     {"structure_projection", kProjection},
-     {"interface_retention", kNeighbours}}};
-
-unsigned operation_fields(Kind kind) {
-  return kKinds[static_cast<int>(kind)].fields;
+// fields: which of them (OperationField). Bounds and descriptions are those of /schedule in schemas/candidate.json,
+// which a test compares with operation_schema.
+template <class Operation, class Visitor>
+void visit_fields(Operation& op, unsigned fields, Visitor& visitor) {
+  visitor.field("rows", op.rows, at_least(0, 1), "inventory row indices that it acts on");
+  if (fields & kVelocity)
+    visitor.field("velocity", op.velocity, kVec3,
+                  "enforced velocity, or the velocity change of an impulse; solver space, m/s");
+  if (fields & kDirection)
+    visitor.field("direction", op.direction, kVec3,
+                  "unit: axis of scale and torque, inward direction of side_compress, the end that a slab lies at");
+  if (fields & kInterval) {
+    visitor.field("start", op.start, kNotNegative, "seconds");
+    visitor.field("end", op.end, kNotNegative, "seconds");
+    visitor.field("start_step", op.start_step, at_least(0), "");
+    visitor.field("end_step", op.end_step, at_least(0), "");
+  }
+  if (fields & kSlab)
+    visitor.field("slab_fraction", op.slab_fraction, kUnit,
+                  "thickness of the slab as a fraction of the rows' rest extent; 1: all of the rows");
+  if (fields & kRatio) visitor.field("ratio", op.ratio, above(0, 100), "final over rest extent");
+  if (fields & kRate) visitor.field("rate", op.rate, between(-1000, 1000), "torque: rad/s about direction");
+  if (fields & kSpeedLimit)
+    visitor.field("speed_limit", op.speed_limit, above(0, 1000),
+                  "m/s; of radial_spread: the speed of the outermost particles");
+  if (fields & kBlendTime)
+    visitor.field("blend_time", op.blend_time, kPositive,
+                  "seconds in which a blend takes away 63 % of a difference in velocity");
+  if (fields & kPositionWeight)
+    visitor.field("position_weight", op.position_weight, kUnit, "share of the field in the motion of places");
+  if (fields & kFollow) {
+    visitor.field("follow", choice(op.follow, kFollowNames), {},
+                  "drag_pair: what of the neighbours follows the puller");
+    visitor.field("distance", op.distance, kNotNegative,
+                  "drag_pair: rest distance to the puller within which the interface follows, m of solver space");
+  }
+  if (fields & kProjection) {
+    visitor.field("eta", op.eta, kUnit, "structure_projection");
+    visitor.field("mode", choice(op.rigid, kProjectionModes), {},
+                  "structure_projection: literal (default), or rigid: turned with the row");
+  }
+  if (fields & kNeighbours)
+    visitor.field("neighbours", op.neighbours, at_least(0),
+                  "drag_pair: rows that may follow; interface_retention: rows whose particles may be bonded");
 }
+
+// A reader that needs every field but the mode.
+class OperationReader {
+ public:
+  OperationReader(const Json& json, const std::string& file, const std::string& pointer)
+      : json_(json), file_(file), pointer_(pointer) {}
+  template <class T>
+  void field(const char* name, T&& value, const Rule&, const char*) {
+    if (json_.contains(name)) {
+      read_field(json_.at(name), value);
+    } else if (std::string(name) != "mode") {
+      throw invalid_field(file_, pointer_, json_,
+                          std::string("the field ") + name + " of " + json_.at("operation").get<std::string>());
+    }
+  }
+
+ private:
+  const Json& json_;
+  const std::string &file_, &pointer_;
+};
 
 }  // namespace
 
 Json to_json(const ScheduleOperation& op) {
-  const unsigned fields = operation_fields(op.kind);
   Json json;
-  json["operation"] = kKinds[static_cast<int>(op.kind)].name;
-  json["rows"] = op.rows;
-  if (fields & kVelocity) json["velocity"] = to_json(op.velocity);
-  if (fields & kDirection) json["direction"] = to_json(op.direction);
-  if (op.is_action()) {
-    json["start"] = op.start;
-    json["end"] = op.end;
-    json["start_step"] = op.start_step;
-    json["end_step"] = op.end_step;
-  }
-  if (fields & kSlab) json["slab_fraction"] = op.slab_fraction;
-  if (fields & kRatio) json["ratio"] = op.ratio;
-  if (fields & kRate) json["rate"] = op.rate;
-  if (fields & kSpeedLimit) json["speed_limit"] = op.speed_limit;
-  if (fields & kBlendTime) json["blend_time"] = op.blend_time;
-  if (fields & kPositionWeight) json["position_weight"] = op.position_weight;
-  if (fields & kFollow) {
-    json["follow"] = kFollowNames[static_cast<int>(op.follow)];
-    json["distance"] = op.distance;
-  }
-  if (fields & kProjection) {
-    json["eta"] = op.eta;
-    json["mode"] = op.rigid ? "rigid" : "literal";
-  }
-  if (fields & kNeighbours) json["neighbours"] = op.neighbours;
+  FieldWriter writer(json);
+  writer.field("operation", choice(op.kind, kOperationNames));
+  visit_fields(op, operation_fields(op.kind), writer);
   return json;
 }
 
 ScheduleOperation operation_from(const Json& json, const std::string& file, const std::string& pointer) {
   ScheduleOperation op;
-  const std::string name = json.at("operation").get<std::string>();
-  for (size_t i = 0; i < kKinds.size(); ++i) {
-    if (name == kKinds[i].name) op.kind = static_cast<Kind>(i);
-  }
-  op.rows = json.at("rows").get<std::vector<int>>();
-  const unsigned fields = operation_fields(op.kind);
-  const auto need = [&](const char* field) -> const Json& {
-    if (!json.contains(field))
-      throw invalid_field(file, pointer, json, std::string("the field ") + field + " of " + name);
-    return json.at(field);
-  };
-  if (fields & kVelocity) op.velocity = vector3_from(need("velocity"));
-  if (fields & kDirection) {
-    op.direction = vector3_from(need("direction"));
-    if (std::abs(op.direction.norm() - 1) > 1e-6)
-      throw invalid_field(file, pointer + "/direction", json.at("direction"), "a unit vector");
-  }
-  if (op.is_action()) {
-    op.start = need("start").get<double>();
-    op.end = need("end").get<double>();
-    op.start_step = need("start_step").get<int>();
-    op.end_step = need("end_step").get<int>();
-    if (op.end < op.start) throw invalid_field(file, pointer + "/end", op.end, "a time at or after /start");
-  }
-  if (fields & kSlab) op.slab_fraction = need("slab_fraction").get<double>();
-  if (fields & kRatio) op.ratio = need("ratio").get<double>();
-  if (fields & kRate) op.rate = need("rate").get<double>();
-  if (fields & kSpeedLimit) op.speed_limit = need("speed_limit").get<double>();
-  if (fields & kBlendTime) op.blend_time = need("blend_time").get<double>();
-  if (fields & kPositionWeight) op.position_weight = need("position_weight").get<double>();
-  if (fields & kFollow) {
-    op.follow = follow_from(need("follow").get<std::string>());
-    op.distance = need("distance").get<double>();
-  }
-  if (fields & kProjection) {
-    op.eta = need("eta").get<double>();
-    op.rigid = json.value("mode", "literal") == "rigid";
-  }
-  if (fields & kNeighbours) op.neighbours = need("neighbours").get<std::vector<int>>();
+  OperationReader reader(json, file, pointer);
+  reader.field("operation", choice(op.kind, kOperationNames), {}, "");
+  visit_fields(op, operation_fields(op.kind), reader);
+  if (std::abs(op.direction.norm() - 1) > 1e-6)
+    throw invalid_field(file, pointer + "/direction", json.at("direction"), "a unit vector");
+  if (op.end < op.start) throw invalid_field(file, pointer + "/end", op.end, "a time at or after /start");
   return op;
+}
+
+Json operation_schema() {
+  ScheduleOperation op;
+  FieldSchema schema;
+  schema.field("operation", choice(op.kind, kOperationNames), {}, "");
+  visit_fields(op, kEveryField, schema);
+  return schema.take();
 }
 
 }  // namespace physmas

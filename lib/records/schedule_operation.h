@@ -6,29 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "records/actions.h"
 #include "records/json_fwd.h"
-#include "records/plan.h"
 
 namespace physmas {
 
-// Fields that a kind does not use keep their defaults and are not written (operation_fields in the source lists them).
+// Fields that a kind does not use keep their defaults and are not written (operation_fields in actions.h tells which).
 // Lengths, velocities and directions are in solver space.
 struct ScheduleOperation {
-  // The actions as in ActionType, then the operations at output frames.
-  enum class Kind : int {
-    translation = 0,
-    top_press,
-    radial_spread,
-    vertical_compress,
-    side_compress,
-    drag_pair,
-    scale,
-    impulse,
-    torque,
-    support_hold,
-    structure_projection,
-    interface_retention
-  };
+  using Kind = OperationKind;
   Kind kind = Kind::translation;
   std::vector<int> rows;                                 // inventory row indices
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();    // m/s: enforced, or the change that an impulse gives
@@ -49,13 +35,13 @@ struct ScheduleOperation {
   bool is_action() const { return kind < Kind::structure_projection; }
 };
 
-static_assert(static_cast<int>(ScheduleOperation::Kind::support_hold) == static_cast<int>(ActionType::support_hold),
-              "actions come first and in the vocabulary's order");
-
 // json: an entry of /schedule that its schema accepted. A field that the kind needs and that is missing, or a value
 // that makes no sense, is an Error (exit code 3). file, pointer: where it stands.
 ScheduleOperation operation_from(const Json& json, const std::string& file, const std::string& pointer);
 Json to_json(const ScheduleOperation& operation);
+
+// The properties of such an entry in schemas/candidate.json.
+Json operation_schema();
 
 }  // namespace physmas
 

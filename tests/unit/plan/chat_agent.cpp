@@ -90,7 +90,8 @@ TEST_CASE("ground: an agent's action becomes canonical, and every change is said
 }
 
 TEST_CASE("ground: all ten actions compile from defaults") {
-  for (const char* name : kActionNames) {
+  for (const ActionLine& action : kActions) {
+    const char* const name = action.name;
     CAPTURE(name);
     const bool hold = name == std::string("support_hold");
     const Plan plan = compile({{"type", name},
