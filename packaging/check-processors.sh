@@ -1,8 +1,10 @@
 #!/bin/bash
-# Runs a baseline build with every set of kernels that this processor has, and on emulated older ones.
-#   check-processors.sh BIN EXAMPLE.json
+# Runs a baseline build, and its unit tests of what has kernels, with every set that this processor has, and the build on emulated
+# older processors.
+#   check-processors.sh BUILD EXAMPLE.json
 set -eu
-bin=$(realpath "$1") example=$(realpath "$2")
+build=$(realpath "$1") example=$(realpath "$2")
+bin=$build/bin
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
@@ -25,8 +27,12 @@ simulate_and_render() {
 }
 
 "$bin/pm-simulate" --version
+status=0
+PM_KERNELS=mmx "$bin/pm-scene" info bundle/scene.json >/dev/null 2>refused || status=$?
+[ $status -eq 2 ] || { echo "PM_KERNELS=mmx: exit code $status, expected 2"; exit 1; }
 for set in sse2 avx2 avx512; do
   if PM_KERNELS=$set "$bin/pm-scene" info bundle/scene.json >/dev/null 2>&1; then
+    PM_KERNELS=$set "$build/test/unit" --source-file='*unit/mpm/*,*unit/splat/*' --minimal
     simulate_and_render $set env PM_KERNELS=$set
   else
     echo "$set: this processor does not have it"

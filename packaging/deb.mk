@@ -18,5 +18,6 @@ deb: baseline ## Make build/physmas_VERSION_ARCH.deb, which runs on any processo
 deb-check: deb ## Install the package into an empty Debian and run it there (as root, needs mmdebstrap and the network)
 	@packaging/check-deb.sh $(DEB) tests/data/tiny.json $(BASELINE)/root
 
-check-processors: baseline ## Run the baseline build with each set of kernels, and on emulated older processors (qemu-user-static)
-	@packaging/check-processors.sh $(BASELINE)/bin tests/data/tiny.json
+check-processors: baseline ## Test the baseline build with each set of kernels, and run it on emulated older processors (qemu-user-static)
+	@$(MAKE) --no-print-directory ARCH=baseline SAN=0 BUILD=$(BASELINE) $(BASELINE)/test/unit
+	@packaging/check-processors.sh $(BASELINE) tests/data/tiny.json
