@@ -37,14 +37,7 @@ std::string candidate_path(const Options& options, const std::string& id) {
 std::vector<Candidate> load_seen(const Options& options, const ScreenRecord& screen, const Inventory& inventory) {
   std::vector<Candidate> seen;
   for (const ScreenedCandidate& screened : screen.candidates) {
-    const std::string path = candidate_path(options, screened.id);
-    seen.push_back(load_candidate(path));
-    if (seen.back().id != screened.id) throw invalid_field(path, "/id", seen.back().id, "\"" + screened.id + "\"");
-    for (size_t i = 0; i < seen.back().rows.size(); ++i) {
-      const CandidateRow& row = seen.back().rows[i];
-      if (row.row >= static_cast<int>(inventory.rows.size()) || inventory.rows[row.row].key() != row.key)
-        throw invalid_field(path, "/rows/" + std::to_string(i) + "/key", row.key, "the inventory's key of this row");
-    }
+    seen.push_back(load_candidate(candidate_path(options, screened.id), screened.id, inventory));
   }
   return seen;
 }
@@ -82,13 +75,6 @@ int work_authored(const Options& options) {
   return static_cast<int>(ExitCode::done);
 }
 
-// Volume of each row's particles at rest, [inventory.rows].
-std::vector<double> row_volumes(const State& state) {
-  std::vector<double> volume(state.row_keys.size(), 0);
-  for (size_t q = 0; q < state.particle_count(); ++q) volume[state.row[q]] += state.volume[q];
-  return volume;
-}
-
 int work(const Options& options) {
   if (!options.configuration.empty()) return work_authored(options);
   if (options.plan.empty() || options.evidence.empty())
@@ -101,13 +87,11 @@ int work(const Options& options) {
   const Scene scene = load_scene(options.scene, {});
   const Inventory inventory = load_inventory(options.inventory);
   const Plan plan = load_plan(options.plan, inventory);
-  std::vector<std::string> keys;
-  for (const InventoryRow& row : inventory.rows) keys.push_back(row.key());
-  Evidence evidence = load_evidence(options.evidence, keys);
+  Evidence evidence = load_evidence(options.evidence, inventory.row_keys());
   const State state = load_state(options.state, &inventory);
   const std::vector<long> gaussians = state.gaussians_per_row();
   check_evidence(options, evidence, gaussians);
-  if (!scene.run.ablation.part_materials) candidate::give_one_material(evidence, inventory, row_volumes(state));
+  if (!scene.run.ablation.part_materials) candidate::give_one_material(evidence, inventory, state.volume_per_row());
 
   const candidate::Context context = candidate::make_context(inventory, evidence, plan, scene.run, gaussians);
   candidate::Round round;

@@ -17,6 +17,7 @@
 #include "scene/gaussian_files.h"
 #include "scene/image_file.h"
 #include "splat/comparison.h"
+#include "splat/contact_sheet.h"
 #include "splat/deformed_gaussians.h"
 #include "splat/depth_picture.h"
 #include "splat/foreground.h"
@@ -24,7 +25,7 @@
 #include "splat/quantize.h"
 #include "splat/renderer.h"
 #include "splat/rollout_frames.h"
-#include "splat/row_colors.h"
+#include "splat/row_video.h"
 #include "splat/video.h"
 
 namespace fs = std::filesystem;
@@ -34,83 +35,6 @@ namespace {
 
 struct Options {
   std::string scene, state, rollout, out, frames, png, depth, ply, sheet, labels, inventory;
-};
-
-// "0,10,20-24" -> frame numbers in the given order; every one must be below `count`.
-std::vector<int> parse_frames(const std::string& list, int count) {
-  std::vector<int> frames;
-  size_t at = 0;
-  const auto bad = [&] {
-    return Error(ExitCode::usage,
-                 fmt::format("--frames: found \"{}\", expected frame numbers and ranges below {}, such as 0,10,20-24",
-                             list, count));
-  };
-  const auto number = [&]() -> int {
-    size_t end = at;
-    while (end < list.size() && std::isdigit(static_cast<unsigned char>(list[end])) != 0) ++end;
-    if (end == at || end - at > 6) throw bad();
-    const int value = std::stoi(list.substr(at, end - at));
-    at = end;
-    if (value >= count) throw bad();
-    return value;
-  };
-  while (at < list.size()) {
-    const int first = number();
-    int last = first;
-    if (at < list.size() && list[at] == '-') {
-      ++at;
-      last = number();
-    }
-    for (int t = first; t <= last; ++t) frames.push_back(t);
-    if (at < list.size() && list[at++] != ',') throw bad();
-  }
-  if (frames.empty()) throw bad();
-  return frames;
-}
-
-// Collects some of the frames for a contact sheet: at most eight, evenly spaced, the first and the last among them.
-class ContactSheet {
- public:
-  explicit ContactSheet(size_t frames) : count_(std::min<size_t>(frames, 8)), frames_(frames) {}
-  void add(size_t i, int frame, const Image& image) {
-    const size_t k = pictures_.size();
-    if (k == count_ || i != (count_ == 1 ? 0 : k * (frames_ - 1) / (count_ - 1))) return;
-    pictures_.push_back(image);
-    captions_.push_back("frame " + std::to_string(frame));
-  }
-  void save(const std::string& path) const { save_png(path, contact_sheet(pictures_, captions_, 4, 360)); }
-
- private:
-  size_t count_, frames_;
-  std::vector<Image> pictures_;
-  std::vector<std::string> captions_;
-};
-
-// The label video: the same frames with every Gaussian in its row's colour.
-class RowVideo {
- public:
-  RowVideo(const std::string& path, const Gaussians& gaussians, const State& state, const Inventory& inventory,
-           const RenderRecord& record)
-      : painted_(splat::painted_by_row(gaussians, state.gaussian_row, residual_rows(inventory))),
-        renderer_(painted_),
-        video_(path, record.width, record.height, record.fps) {}
-  void add(const Camera& camera, const splat::Deformation& deformation) {
-    splat::RenderOptions options;
-    options.background = Eigen::Vector3f::Ones();
-    video_.write(splat::quantize(renderer_.render(camera, deformation, options)));
-  }
-  void finish() { video_.finish(); }
-
- private:
-  static std::vector<bool> residual_rows(const Inventory& inventory) {
-    std::vector<bool> residual;
-    for (const InventoryRow& row : inventory.rows) residual.push_back(row.residual);
-    return residual;
-  }
-
-  Gaussians painted_;
-  splat::Renderer renderer_;
-  splat::VideoWriter video_;
 };
 
 int render(const Options& options) {
@@ -132,7 +56,7 @@ int render(const Options& options) {
   const bool complete = rollout.count() == frames && !execution.diverged;
   std::vector<int> wanted;
   if (!options.frames.empty()) {
-    wanted = parse_frames(options.frames, rollout.count());
+    wanted = splat::parse_frames(options.frames, rollout.count());
     record.omitted.push_back({"other frames", "--frames asks for " + options.frames});
   } else if (complete) {
     for (int t = 0; t < frames; ++t) wanted.push_back(t);
@@ -151,17 +75,18 @@ int render(const Options& options) {
   render_options.background = scene.run.render.background.cast<float>();
   render_options.max_sh_degree = scene.run.render.sh_degree;
   std::unique_ptr<splat::VideoWriter> video;
-  std::unique_ptr<RowVideo> row_video;
+  std::unique_ptr<splat::RowVideo> row_video;
   if (!wanted.empty()) {
     video = std::make_unique<splat::VideoWriter>(video_path, record.width, record.height, record.fps);
     if (!options.labels.empty())
-      row_video = std::make_unique<RowVideo>(options.labels, gaussians, state, inventory, record);
+      row_video = std::make_unique<splat::RowVideo>(options.labels, gaussians, state.gaussian_row,
+                                                    inventory.residual_rows(), record.width, record.height, record.fps);
     if (!options.depth.empty()) record.depth_unit = splat::depth_unit(scene.output_cameras, state.map);
   }
   render_options.depth = record.depth_unit > 0;
   const splat::FrameFiles png = {options.png, "frame", "png"}, depth = {options.depth, "depth", "png"},
                           ply = {options.ply, "frame", "ply"};
-  ContactSheet sheet(wanted.size());
+  splat::ContactSheet sheet(wanted.size());
   Progress progress("frame", static_cast<long>(wanted.size()));
   double render_seconds = 0, encode_seconds = 0, export_seconds = 0;
   size_t still = 0;  // Gaussians, over all frames, that kept their projection

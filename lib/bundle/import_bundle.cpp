@@ -326,7 +326,7 @@ void write_import_bundle(const ImportOptions& given) {
   if (!options.dataparser.empty()) provenance.add_input(options.dataparser);
   std::vector<std::string> row_keys;
   if (!options.inventory.empty()) {
-    for (const InventoryRow& row : load_inventory(options.inventory).rows) row_keys.push_back(row.key());
+    row_keys = load_inventory(options.inventory).row_keys();
     provenance.add_input(options.inventory);
     scene.inventory = options.folder + "/inventory.json";
     copies.push_back({scene.inventory, read_file(options.inventory)});

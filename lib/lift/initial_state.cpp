@@ -47,7 +47,7 @@ State initial_state(const Gaussians& gaussians, const Labels& labels, const Inve
   }
   State state;
   state.map = solver_map(gaussians, run);
-  for (const InventoryRow& row : inventory.rows) state.row_keys.push_back(row.key());
+  state.row_keys = inventory.row_keys();
   state.gaussian_object = labels.object;
   state.gaussian_row = labels.row;
   state.gaussian_confidence = labels.confidence;

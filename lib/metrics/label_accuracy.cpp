@@ -7,15 +7,6 @@
 #include "records/json.h"
 
 namespace physmas::metrics {
-namespace {
-
-std::vector<std::string> keys_of(const Inventory& inventory) {
-  std::vector<std::string> keys;
-  for (const InventoryRow& row : inventory.rows) keys.push_back(row.key());
-  return keys;
-}
-
-}  // namespace
 
 long LabelAccuracy::of_row(size_t t) const {
   long sum = 0;
@@ -31,8 +22,8 @@ long LabelAccuracy::right_in_row(size_t t) const {
 LabelAccuracy compare_labels(const Inventory& truth_inventory, const std::vector<int32_t>& truth,
                              const Inventory& inventory, const std::vector<int32_t>& labels) {
   LabelAccuracy accuracy;
-  accuracy.truth = keys_of(truth_inventory);
-  accuracy.labels = keys_of(inventory);
+  accuracy.truth = truth_inventory.row_keys();
+  accuracy.labels = inventory.row_keys();
   accuracy.confusion.assign(accuracy.truth.size(), std::vector<long>(accuracy.labels.size(), 0));
   accuracy.gaussians = static_cast<long>(truth.size());
   long objects = 0, rows = 0;

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "records/inventory.h"
 #include "records/json.h"
 
 namespace physmas {
@@ -93,6 +94,17 @@ void save_candidate(const std::string& path, const Candidate& candidate, const P
                       {"substeps", t.substeps}, {"dt", t.dt},       {"capped_by", t.capped_by}};
   json["omitted"] = to_json(candidate.omitted);
   save_record(path, "candidate", provenance, json);
+}
+
+Candidate load_candidate(const std::string& path, const std::string& id, const Inventory& inventory) {
+  Candidate candidate = load_candidate(path);
+  if (candidate.id != id) throw invalid_field(path, "/id", candidate.id, "\"" + id + "\"");
+  for (size_t i = 0; i < candidate.rows.size(); ++i) {
+    const CandidateRow& row = candidate.rows[i];
+    if (row.row >= static_cast<int>(inventory.rows.size()) || inventory.rows[row.row].key() != row.key)
+      throw invalid_field(path, "/rows/" + std::to_string(i) + "/key", row.key, "the inventory's key of this row");
+  }
+  return candidate;
 }
 
 CandidateRound load_round(const std::string& path) {

@@ -12,6 +12,8 @@
 
 namespace physmas {
 
+struct Inventory;
+
 // One row Theta_r: branch, E [Pa], nu, rho [kg/m^3], all in solver space.
 struct CandidateRow {
   std::string key;
@@ -47,6 +49,8 @@ struct Candidate {
 };
 
 Candidate load_candidate(const std::string& path);
+// The candidate with this id, whose rows are rows of the inventory; another one is an Error (exit code 3).
+Candidate load_candidate(const std::string& path, const std::string& id, const Inventory& inventory);
 void save_candidate(const std::string& path, const Candidate& candidate, const Provenance& provenance);
 
 // The ordered ids of one round.

@@ -59,6 +59,18 @@ int Inventory::find_row(const std::string& key) const {
   return -1;
 }
 
+std::vector<std::string> Inventory::row_keys() const {
+  std::vector<std::string> keys;
+  for (const InventoryRow& row : rows) keys.push_back(row.key());
+  return keys;
+}
+
+std::vector<bool> Inventory::residual_rows() const {
+  std::vector<bool> residual;
+  for (const InventoryRow& row : rows) residual.push_back(row.residual);
+  return residual;
+}
+
 Inventory load_inventory(const std::string& path) {
   const Json document = load_record(path, "inventory");
   Inventory inventory;

@@ -54,6 +54,8 @@ struct Inventory {
   int find_row(const std::string& key) const;
   // Index of the object that owns row r.
   int object_of_row(int r) const { return find_object(rows[r].object); }
+  std::vector<std::string> row_keys() const;
+  std::vector<bool> residual_rows() const;  // [rows]
 };
 
 // Checks what the schema cannot: unique ids, rows of known objects, every object has a row, at most one residual row

@@ -48,15 +48,19 @@ std::vector<long> State::gaussians_per_row() const {
   return counts;
 }
 
+std::vector<double> State::volume_per_row() const {
+  std::vector<double> sums(row_keys.size(), 0);
+  for (size_t q = 0; q < particle_count(); ++q) sums[row[q]] += volume[q];
+  return sums;
+}
+
 State load_state(const std::string& path, const Inventory* inventory) {
   const Hdf5Reader file(path, "state");
   State state;
   const Json keys = list_attribute(file, "rows");
   for (const Json& key : keys) state.row_keys.push_back(text_of(file, "/@rows", key));
   if (inventory != nullptr) {
-    std::vector<std::string> expected;
-    for (const InventoryRow& row : inventory->rows) expected.push_back(row.key());
-    if (expected != state.row_keys) {
+    if (inventory->row_keys() != state.row_keys) {
       throw file.invalid("/@rows", one_line(keys.dump(), 80),
                          "the rows of the inventory; make the state again with pm-lift");
     }

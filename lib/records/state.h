@@ -40,6 +40,8 @@ struct State {
   size_t particle_count() const { return row.size(); }
   // Gaussians with each row, [inventory.rows].
   std::vector<long> gaussians_per_row() const;
+  // Rest volume of each row's particles, [inventory.rows], solver units cubed.
+  std::vector<double> volume_per_row() const;
 };
 
 // Checks sizes, index ranges, finite positions inside [0, L]^3, volumes > 0, and that the first N_G particles are the

@@ -10,7 +10,7 @@ namespace physmas::splat {
 namespace {
 
 constexpr int kFarPictures = 16, kNearPictures = 1;  // how far an image plane goes beyond the picture's edges
-constexpr double kPlanePixels = 1 << 24;            // most pixels of a plane; nine pictures are always allowed
+constexpr double kPlanePixels = 1 << 24;             // most pixels of a plane; nine pictures are always allowed
 
 // A part of the image plane in pixels of a camera, x1 and y1 exclusive.
 struct Window {

@@ -27,8 +27,8 @@ FrameForeground measure_foreground(const RenderedImage& image, const Image& quan
 //
 // pictures: the foreground of the video's frames, as measure_foreground gives it. Where frames 0 and T-1 are not among
 // them, or show the same as the plane, nothing is returned; a frame whose Gaussians all end inside a picture of the
-// first camera is not rendered again. The plane reaches over the splats, at most sixteen pictures beyond each edge, or one
-// where that would be more than 2^24 pixels and 9 pictures.
+// first camera is not rendered again. The plane reaches over the splats, at most sixteen pictures beyond each edge, or
+// one where that would be more than 2^24 pixels and 9 pictures.
 std::vector<FrameForeground> measure_endpoints(Renderer& renderer, const Gaussians& gaussians,
                                                const RolloutFrames& rollout, const Scene& scene,
                                                const RenderOptions& options,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <set>
 
@@ -24,6 +25,34 @@ int frame_of(const FrameFiles& files, const std::string& name) {
 }
 
 }  // namespace
+
+std::vector<int> parse_frames(const std::string& list, int count) {
+  std::vector<int> frames;
+  size_t at = 0;
+  const auto bad = [&] {
+    return Error(ExitCode::usage,
+                 fmt::format("--frames: found \"{}\", expected frame numbers and ranges below {}, such as 0,10,20-24",
+                             list, count));
+  };
+  const auto number = [&]() -> int {
+    size_t end = at;
+    while (end < list.size() && std::isdigit(static_cast<unsigned char>(list[end])) != 0) ++end;
+    if (end == at || end - at > 6) throw bad();
+    const int value = std::stoi(list.substr(at, end - at));
+    at = end;
+    if (value >= count) throw bad();
+    return value;
+  };
+  const auto follows = [&](char c) { return at < list.size() && list[at] == c && ++at > 0; };
+  do {
+    const int first = number();
+    const int last = follows('-') ? number() : first;
+    if (last < first) throw bad();
+    for (int t = first; t <= last; ++t) frames.push_back(t);
+  } while (follows(','));
+  if (at != list.size()) throw bad();
+  return frames;
+}
 
 std::string FrameFiles::path(int frame) const {
   return (fs::path(folder) / fmt::format("{}_{:04d}.{}", name, frame, extension)).string();

@@ -1,4 +1,4 @@
-// Files with one frame each, numbered in their names.
+// Lists of frames, and files with one frame each, numbered in their names.
 #ifndef PHYSMAS_SPLAT_FRAME_FILES_H
 #define PHYSMAS_SPLAT_FRAME_FILES_H
 
@@ -6,6 +6,10 @@
 #include <vector>
 
 namespace physmas::splat {
+
+// "0,10,20-24": frame numbers in the given order, every one below `count`, ranges upwards. Any other text is an Error
+// (exit code 2) about the flag --frames.
+std::vector<int> parse_frames(const std::string& list, int count);
 
 // FOLDER/NAME_0000.EXTENSION. folder empty: no files are wanted.
 struct FrameFiles {

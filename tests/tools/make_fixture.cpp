@@ -60,7 +60,7 @@ void make_views(const Arguments& a) {
 void make_state(const Arguments& a) {
   const Inventory inventory = load_inventory(a.at(0));
   State state;
-  for (const InventoryRow& row : inventory.rows) state.row_keys.push_back(row.key());
+  state.row_keys = inventory.row_keys();
   for (size_t r = 0; r < inventory.rows.size(); ++r) {
     for (long i = 0; i < std::stol(a.at(2 + r)); ++i) {
       const int32_t index = static_cast<int32_t>(state.gaussian_row.size());
