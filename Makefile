@@ -90,13 +90,14 @@ export CCACHE_SLOPPINESS := pch_defines,time_macros
 endif
 # g++ collects its garbage after every few megabytes, which with a precompiled header means all of that.
 CXX_MEMORY := $(if $(findstring clang,$(CXX)),,--param ggc-min-heapsize=400000)
-compile = $(CXX) $(CPPFLAGS) $(CXXFLAGS) $($(call way,$(1))_FLAGS) $(CXX_MEMORY)
+# The folder of precompiled headers goes first: the header itself is found in lib/.
+compile = $(CXX) $(precompiled_FLAGS) $(CPPFLAGS) $(CXXFLAGS) $($(way)_FLAGS) $(CXX_MEMORY)
 
 .SECONDEXPANSION:
 $(BUILD)/obj/%.o: %.cpp $$(call precompiled,$$*.cpp) | build/.packages
 	@mkdir -p $(@D)
 	$(call say,CXX,$<)
-	$(Q)$(call compile,$<) $(call precompiled_FLAGS,$<) -MMD -MP -c $< -o $@
+	$(Q)$(call compile,$<) -MMD -MP -c $< -o $@
 
 $(BUILD)/precompiled/fast/%.gch: lib/% | build/.packages
 	@mkdir -p $(@D)
