@@ -108,6 +108,11 @@ PY
   serve 500
   fails_remotely "HTTP 500 after 3 attempts"
   [ "$(wc -l <requests.log)" -eq 3 ]
+  stop_server
+  # What a server does not do it will not do the next time: once with structured output, once without.
+  serve 501
+  fails_remotely "HTTP 501" "no such thing here"
+  [ "$(wc -l <requests.log)" -eq 2 ]
 }
 
 @test "remote: a body that is cut off, or none that this project reads" {

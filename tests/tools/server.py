@@ -312,6 +312,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.reply(500, {"error": "out of memory"})
         elif mode == "500":
             self.reply(500, {"error": "out of memory, said " + self.headers.get("Authorization", "")})
+        elif mode == "501":
+            self.reply(501, {"error": "no such thing here"})
         elif mode == "408-once" and number == 1:
             self.reply(408, {})
         elif mode == "reset-once" and number == 1:
