@@ -39,7 +39,7 @@ include packaging/kernels.mk
 CPPFLAGS := -Ilib -Itests -I$(BUILD)/gen -isystem /usr/include/hdf5/serial -isystem /usr/include/opencv4 \
             -isystem /usr/include/eigen3 -DPHYSMAS_VERSION='"$(VERSION)"' $(if $(KERNEL_SETS),-DPHYSMAS_KERNEL_SETS)
 CXXFLAGS := -std=c++17 -march=$(MARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -fno-trapping-math \
-            -Wall -Wextra -Wno-unknown-pragmas $(if $(findstring clang,$(CXX)),,-Wno-maybe-uninitialized) $(if $(WERROR),-Werror) $(EXTRA_CXXFLAGS)
+            -Wall -Wextra -Wno-unknown-pragmas $(if $(findstring clang,$(CXX)),,-Wno-maybe-uninitialized -Wno-uninitialized) $(if $(WERROR),-Werror) $(EXTRA_CXXFLAGS)
 , := ,
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
@@ -56,7 +56,25 @@ TOOLS := $(TOOL_SOURCES:tools/%.cpp=%)
 TEST_TOOLS := $(TEST_TOOL_SOURCES:tests/tools/%.cpp=$(BUILD)/test/%)
 BIN := $(BUILD)/bin
 
-objects = $(patsubst %.cpp,$(BUILD)/obj/%.o,$(1))
+# Most of what a source takes to compile is what it includes and the templates of that, so several sources of a folder are
+# compiled at a time; their object is named after them, lib/lift/assignment+evidence.o. TOGETHER=1 compiles each alone, as
+# always those that take long or decide speed. Sources with JSON keep together: what they share takes longer.
+TOGETHER ?= 6
+ALONE := $(KERNELS) $(addprefix lib/,base/command_line.cpp records/validator.cpp splat/sh_rotation.cpp)
+JSON_SOURCES := $(shell grep -rlE '^.include "records/(json|((json|run)_)?fields)\.h"' --include=*.cpp lib tools tests)
+empty :=
+rest := $(shell echo $$(($(TOGETHER) + 1)))
+# $(call joined,NAMES): one word for each TOGETHER of them.
+joined = $(if $(1),$(subst $(empty) $(empty),+,$(wordlist 1,$(TOGETHER),$(1))) $(call joined,$(wordlist $(rest),999,$(1))))
+# $(call folder_objects,FOLDER/,SOURCES)
+folder_objects = $(patsubst %,$(BUILD)/obj/$(1)%.o,$(call joined,$(patsubst $(1)%.cpp,%,$(filter $(JSON_SOURCES),$(2)))) \
+                   $(call joined,$(patsubst $(1)%.cpp,%,$(filter-out $(JSON_SOURCES),$(2)))))
+# Each tool and test program has a main, each test its own small helpers.
+alone = $(filter $(ALONE) tools/% tests/%,$(1))
+objects = $(patsubst %.cpp,$(BUILD)/obj/%.o,$(alone)) $(foreach d,$(sort $(dir $(filter-out $(alone),$(1)))),\
+            $(call folder_objects,$(d),$(foreach f,$(filter-out $(alone),$(1)),$(if $(filter $(d),$(dir $(f))),$(f)))))
+# $(call sources_of,STEM): the sources of build/obj/STEM.o.
+sources_of = $(foreach name,$(subst +, ,$(notdir $(1))),$(dir $(1))$(name).cpp)
 # What only pm-eval needs is a library of its own: a run does not wait for it.
 EVAL_SOURCES := $(filter lib/metrics/% lib/studies/% lib/tables/%,$(LIB_SOURCES))
 EVAL_OBJECTS := $(call objects,$(EVAL_SOURCES))
@@ -81,7 +99,6 @@ plain_FLAGS := $(PLAIN_OPT) -ffp-contract=off
 # much again, only for the sources that include it themselves. A precompiled header brings the flags along that it was
 # made with, so there is one for each way. Every source still includes what it uses: PRECOMPILE=0 and clang++ tell.
 PRECOMPILE ?= $(if $(findstring clang,$(CXX)),0,1)
-JSON_SOURCES := $(shell grep -rlE '^.include "records/(json|((json|run)_)?fields)\.h"' --include=*.cpp lib tools tests)
 common = $(if $(filter $(JSON_SOURCES),$(1)),records/json_headers.h,base/common_headers.h)
 ifeq ($(PRECOMPILE),1)
 precompiled = $(BUILD)/precompiled/$(way)/$(common).gch
@@ -91,13 +108,14 @@ endif
 # g++ collects its garbage after every few megabytes, which with a precompiled header means all of that.
 CXX_MEMORY := $(if $(findstring clang,$(CXX)),,--param ggc-min-heapsize=400000)
 # The folder of precompiled headers goes first: the header itself is found in lib/.
-compile = $(CXX) $(precompiled_FLAGS) $(CPPFLAGS) $(CXXFLAGS) $($(way)_FLAGS) $(CXX_MEMORY)
+compile = $(CXX) $(precompiled_FLAGS) $(CPPFLAGS) $(CXXFLAGS) $($(way)_FLAGS) $(CXX_MEMORY) \
+            $(patsubst %,-include %,$(filter-out $(lastword $(1)),$(1))) -MMD -MP -c $(lastword $(1))
 
 .SECONDEXPANSION:
-$(BUILD)/obj/%.o: %.cpp $$(call precompiled,$$*.cpp) | build/.packages
+$(BUILD)/obj/%.o: $$(call sources_of,$$*) $$(call precompiled,$$(call sources_of,$$*)) | build/.packages
 	@mkdir -p $(@D)
-	$(call say,CXX,$<)
-	$(Q)$(call compile,$<) -MMD -MP -c $< -o $@
+	$(call say,CXX,$*)
+	$(Q)$(call compile,$(call sources_of,$*)) -o $@
 
 $(BUILD)/precompiled/fast/%.gch: lib/% | build/.packages
 	@mkdir -p $(@D)

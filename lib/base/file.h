@@ -47,6 +47,8 @@ std::string resolve_inside(const std::string& folder, const std::string& relativ
 // The folder part of `path`, "." when there is none.
 std::string folder_of(const std::string& path);
 
+std::string join_path(const std::string& folder, const std::string& name);
+
 }  // namespace physmas
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "bind/branch.h"
+#include "records/json.h"
 
 namespace physmas::bind {
 

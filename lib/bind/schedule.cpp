@@ -2,14 +2,12 @@
 
 #include <limits>
 
+#include "bind/vector.h"
+
 namespace physmas::bind {
 namespace {
 
 using Kind = ScheduleOperation::Kind;
-
-mpm::Vec3d to_mpm(const Eigen::Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
 
 void bind_drag(const ScheduleOperation& op, mpm::Schedule& schedule) {
   schedule.actions.push_back(

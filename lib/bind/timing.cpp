@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "records/json.h"
 
 namespace physmas::bind {
 namespace {

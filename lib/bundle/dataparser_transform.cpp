@@ -36,7 +36,7 @@ std::string find_dataparser_transform(const std::string& gaussians, const std::s
   std::error_code failure;
   const std::string beside_cameras = fs::is_directory(cameras, failure) ? cameras : folder_of(cameras);
   for (const std::string& folder : {folder_of(gaussians), beside_cameras}) {
-    const std::string file = (fs::path(folder) / "dataparser_transforms.json").string();
+    const std::string file = join_path(folder, "dataparser_transforms.json");
     if (fs::is_regular_file(file, failure)) return file;
   }
   return "";

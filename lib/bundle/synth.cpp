@@ -96,7 +96,7 @@ uint64_t row_seed(uint64_t seed, const std::string& key) {
   return h;
 }
 
-float rounded(double value) {
+float rounded_value(double value) {
   return static_cast<float>(std::nearbyint(value * 0x1p20) * 0x1p-20);
 }
 
@@ -215,11 +215,11 @@ class Builder {
     Gaussians& g = out_.gaussians;
     const size_t i = g.size();
     g.resize(i + 1, 0);
-    g.position[i] = (to_scene_ * position).unaryExpr(&rounded);
-    g.log_scale[i] = sigma.array().log().matrix().unaryExpr(&rounded);
-    g.rotation[i] = {rounded(q.w()), rounded(q.x()), rounded(q.y()), rounded(q.z())};
-    g.opacity_logit[i] = rounded(std::log(shape.opacity / (1 - shape.opacity)));
-    g.sh[i] = color.unaryExpr([](double c) { return rounded((c - 0.5) / kSh0); });
+    g.position[i] = (to_scene_ * position).unaryExpr(&rounded_value);
+    g.log_scale[i] = sigma.array().log().matrix().unaryExpr(&rounded_value);
+    g.rotation[i] = {rounded_value(q.w()), rounded_value(q.x()), rounded_value(q.y()), rounded_value(q.z())};
+    g.opacity_logit[i] = rounded_value(std::log(shape.opacity / (1 - shape.opacity)));
+    g.sh[i] = color.unaryExpr([](double c) { return rounded_value((c - 0.5) / kSh0); });
   }
 
   static constexpr double kSh0 = 0.28209479177387814;

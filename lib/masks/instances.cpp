@@ -22,13 +22,6 @@ double center_x(const Mask& mask) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-long common_area(const Mask& a, const Mask& b) {
-  if (a.empty() || b.empty()) return 0;
-  long count = 0;
-  for (size_t p = 0; p < a.pixels.size(); ++p) count += a.pixels[p] != 0 && b.pixels[p] != 0;
-  return count;
-}
-
 bool is_queried(const Queries& queries, const std::string& key, const std::string& text, const std::string& view) {
   const auto query = queries.find(key);
   return query != queries.end() && query->second.text == text &&

@@ -9,13 +9,6 @@ bool covers_everything(const Mask& mask) {
   return !mask.empty() && mask.area() == static_cast<long>(mask.pixels.size());
 }
 
-// Pixels in both; 0 where one is empty.
-long common_area(const Mask& a, const Mask& b) {
-  long both = 0;
-  for (size_t p = 0; p < a.pixels.size() && p < b.pixels.size(); ++p) both += a.pixels[p] != 0 && b.pixels[p] != 0;
-  return both;
-}
-
 }  // namespace
 
 std::vector<Omission> doubts_about(const Inventory& inventory, const ViewMasks& view) {

@@ -26,7 +26,7 @@ bool is_elastic_solid(int label) {
   return kLabels[label].branch == Branch::metal;
 }
 
-bool contains(const std::vector<int>& labels, int label) {
+bool holds(const std::vector<int>& labels, int label) {
   return std::find(labels.begin(), labels.end(), label) != labels.end();
 }
 
@@ -66,7 +66,7 @@ EvidenceRow::Guard expected_guard(const EvidenceRow& evidence, int mode) {
   const int expected = best_expected(evidence);
   const double p = evidence.probability(expected);
   Tests tests;
-  tests.require(!contains(evidence.expected_labels, mode), "the label before is not expected", kLabels[mode].name,
+  tests.require(!holds(evidence.expected_labels, mode), "the label before is not expected", kLabels[mode].name,
                 "outside the expected labels");
   tests.at_least("P(expected) at least", p, kExpectedProbability);
   tests.at_most("P(label before) at most Cap", evidence.probability(mode), std::max(kCapFactor * p, p + kCapMargin));
@@ -96,7 +96,7 @@ EvidenceRow::Guard multi_view_guard(const EvidenceRow& evidence, const std::vect
     tests.at_least("confidence at least", record.confidence, kVlmConfidence);
     tests.at_least("canonical views at least", record.canonical_views, kVlmViews);
     tests.at_least("top-label probability at least", p_top, kTopProbability);
-    tests.require(contains(evidence.expected_labels, v), "the top label is expected", kLabels[v].name,
+    tests.require(holds(evidence.expected_labels, v), "the top label is expected", kLabels[v].name,
                   "among the expected labels");
     tests.require(v != before, "the top label is another than before", kLabels[v].name, kLabels[before].name);
     tests.at_least("R(v) at least", role, kRoleConfidence);

@@ -29,19 +29,19 @@ using ActionType = OperationKind;  // one of the first ten
 
 // Fields of a compiled operation beside its rows (schedule_operation.h).
 enum OperationField : unsigned {
-  kVelocity = 1,
-  kDirection = 2,
-  kInterval = 4,
-  kSlab = 8,
-  kRatio = 16,
-  kRate = 32,
-  kSpeedLimit = 64,
-  kBlendTime = 128,
-  kPositionWeight = 256,
-  kFollow = 512,
-  kProjection = 1024,
-  kNeighbours = 2048,
-  kEveryField = 4095
+  kHasVelocity = 1,
+  kHasDirection = 2,
+  kHasInterval = 4,
+  kHasSlab = 8,
+  kHasRatio = 16,
+  kHasRate = 32,
+  kHasSpeedLimit = 64,
+  kHasBlendTime = 128,
+  kHasPositionWeight = 256,
+  kHasFollow = 512,
+  kHasProjection = 1024,
+  kHasNeighbours = 2048,
+  kHasEverything = 4095
 };
 
 struct ActionLine {
@@ -57,24 +57,25 @@ struct ActionLine {
 };
 
 inline constexpr std::array<ActionLine, kActionCount> kActions = {{
-    {ActionType::translation, "translation", kVelocity | kInterval, true, " m/s", 0.6, 0.05, 3, 0, 0.5},
-    {ActionType::top_press, "top_press", kVelocity | kInterval | kSlab, true, " m/s", 0.15, 0.02, 0.6, 0.1, 0.6},
-    {ActionType::radial_spread, "radial_spread", kInterval | kSpeedLimit | kBlendTime | kPositionWeight, false, " m/s",
-     0.3, 0.05, 1.5, 0.1, 0.6},
-    {ActionType::vertical_compress, "vertical_compress", kInterval | kRatio | kSpeedLimit, false, "", 0.6, 0.2, 1, 0.1,
+    {ActionType::translation, "translation", kHasVelocity | kHasInterval, true, " m/s", 0.6, 0.05, 3, 0, 0.5},
+    {ActionType::top_press, "top_press", kHasVelocity | kHasInterval | kHasSlab, true, " m/s", 0.15, 0.02, 0.6, 0.1,
      0.6},
+    {ActionType::radial_spread, "radial_spread", kHasInterval | kHasSpeedLimit | kHasBlendTime | kHasPositionWeight,
+     false, " m/s", 0.3, 0.05, 1.5, 0.1, 0.6},
+    {ActionType::vertical_compress, "vertical_compress", kHasInterval | kHasRatio | kHasSpeedLimit, false, "", 0.6, 0.2,
+     1, 0.1, 0.6},
     {ActionType::side_compress, "side_compress",
-     kDirection | kInterval | kSlab | kRatio | kSpeedLimit | kBlendTime | kPositionWeight, true, "", 0.65, 0.2, 1, 0.1,
-     0.6},
+     kHasDirection | kHasInterval | kHasSlab | kHasRatio | kHasSpeedLimit | kHasBlendTime | kHasPositionWeight, true,
+     "", 0.65, 0.2, 1, 0.1, 0.6},
     {ActionType::drag_pair, "drag_pair",
-     kVelocity | kDirection | kInterval | kSlab | kBlendTime | kFollow | kNeighbours, true, " m/s", 0.4, 0.05, 2, 0,
-     0.5},
-    {ActionType::scale, "scale", kDirection | kInterval | kSlab | kRatio | kSpeedLimit, false, "", 1.5, 0.3, 3, 0.1,
-     0.6},
-    {ActionType::impulse, "impulse", kVelocity | kInterval, true, " m/s", 1.5, 0.1, 6, 0.1, 0},
-    {ActionType::torque, "torque", kDirection | kInterval | kSlab | kRate | kSpeedLimit | kBlendTime, false, " rad/s",
-     2, 0.2, 12, 0.1, 0.6},
-    {ActionType::support_hold, "support_hold", kDirection | kInterval | kSlab, false, " m/s", 0, 0, 0, 0, 1},
+     kHasVelocity | kHasDirection | kHasInterval | kHasSlab | kHasBlendTime | kHasFollow | kHasNeighbours, true, " m/s",
+     0.4, 0.05, 2, 0, 0.5},
+    {ActionType::scale, "scale", kHasDirection | kHasInterval | kHasSlab | kHasRatio | kHasSpeedLimit, false, "", 1.5,
+     0.3, 3, 0.1, 0.6},
+    {ActionType::impulse, "impulse", kHasVelocity | kHasInterval, true, " m/s", 1.5, 0.1, 6, 0.1, 0},
+    {ActionType::torque, "torque", kHasDirection | kHasInterval | kHasSlab | kHasRate | kHasSpeedLimit | kHasBlendTime,
+     false, " rad/s", 2, 0.2, 12, 0.1, 0.6},
+    {ActionType::support_hold, "support_hold", kHasDirection | kHasInterval | kHasSlab, false, " m/s", 0, 0, 0, 0, 1},
 }};
 
 // Impulses are "capped at four base substeps" (paper, Table "actions").
@@ -99,8 +100,8 @@ inline constexpr std::array<const char*, kOperationCount> kOperationNames = [] {
   return names;
 }();
 inline constexpr unsigned operation_fields(OperationKind kind) {
-  if (kind == OperationKind::structure_projection) return kProjection;
-  return kind == OperationKind::interface_retention ? kNeighbours : action_line(kind).fields;
+  if (kind == OperationKind::structure_projection) return kHasProjection;
+  return kind == OperationKind::interface_retention ? kHasNeighbours : action_line(kind).fields;
 }
 
 // name: of an action; another one, which a schema should have refused, is an internal Error.

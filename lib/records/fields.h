@@ -42,12 +42,6 @@ inline constexpr Rule at_least(double minimum, int least_items = 0) {
 inline constexpr Rule above(double minimum, double maximum) {
   return {nullptr, minimum, maximum, true};
 }
-inline constexpr Rule above(double minimum, double maximum) {
-  return {nullptr, minimum, maximum, true};
-}
-inline constexpr Rule at_least(double minimum, int items = 0) {
-  return {nullptr, minimum, std::numeric_limits<double>::infinity(), false, items};
-}
 inline constexpr Rule kPositive = {"positive"}, kNotNegative = {"not_negative"}, kUnit = {"unit"}, kVec3 = {"vec3"};
 
 // A value whose name the file has: an enumeration, a flag with two names, or a text of a closed set.

@@ -36,6 +36,13 @@ long Mask::area() const {
   return static_cast<long>(pixels.size()) - std::count(pixels.begin(), pixels.end(), uint8_t{0});
 }
 
+long common_area(const Mask& a, const Mask& b) {
+  if (a.empty() || b.empty()) return 0;
+  long count = 0;
+  for (size_t p = 0; p < a.pixels.size(); ++p) count += a.pixels[p] != 0 && b.pixels[p] != 0;
+  return count;
+}
+
 std::vector<ViewMasks> load_masks(const std::string& path, const Inventory& inventory,
                                   const std::vector<std::string>& view_names) {
   const Hdf5Reader file(path, "masks");

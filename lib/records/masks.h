@@ -26,6 +26,9 @@ struct Mask {
   long area() const;
 };
 
+// Number of pixels inside both masks of one view; 0 where one is empty.
+long common_area(const Mask& a, const Mask& b);
+
 // Masks are empty where a view does not show the object or the row.
 struct ViewMasks {
   std::string view;

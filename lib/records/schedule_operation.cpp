@@ -13,43 +13,43 @@ namespace {
 template <class Operation, class Visitor>
 void visit_fields(Operation& op, unsigned fields, Visitor& visitor) {
   visitor.field("rows", op.rows, at_least(0, 1), "inventory row indices that it acts on");
-  if (fields & kVelocity)
+  if (fields & kHasVelocity)
     visitor.field("velocity", op.velocity, kVec3,
                   "enforced velocity, or the velocity change of an impulse; solver space, m/s");
-  if (fields & kDirection)
+  if (fields & kHasDirection)
     visitor.field("direction", op.direction, kVec3,
                   "unit: axis of scale and torque, inward direction of side_compress, the end that a slab lies at");
-  if (fields & kInterval) {
+  if (fields & kHasInterval) {
     visitor.field("start", op.start, kNotNegative, "seconds");
     visitor.field("end", op.end, kNotNegative, "seconds");
     visitor.field("start_step", op.start_step, at_least(0), "");
     visitor.field("end_step", op.end_step, at_least(0), "");
   }
-  if (fields & kSlab)
+  if (fields & kHasSlab)
     visitor.field("slab_fraction", op.slab_fraction, kUnit,
                   "thickness of the slab as a fraction of the rows' rest extent; 1: all of the rows");
-  if (fields & kRatio) visitor.field("ratio", op.ratio, above(0, 100), "final over rest extent");
-  if (fields & kRate) visitor.field("rate", op.rate, between(-1000, 1000), "torque: rad/s about direction");
-  if (fields & kSpeedLimit)
+  if (fields & kHasRatio) visitor.field("ratio", op.ratio, above(0, 100), "final over rest extent");
+  if (fields & kHasRate) visitor.field("rate", op.rate, between(-1000, 1000), "torque: rad/s about direction");
+  if (fields & kHasSpeedLimit)
     visitor.field("speed_limit", op.speed_limit, above(0, 1000),
                   "m/s; of radial_spread: the speed of the outermost particles");
-  if (fields & kBlendTime)
+  if (fields & kHasBlendTime)
     visitor.field("blend_time", op.blend_time, kPositive,
                   "seconds in which a blend takes away 63 % of a difference in velocity");
-  if (fields & kPositionWeight)
+  if (fields & kHasPositionWeight)
     visitor.field("position_weight", op.position_weight, kUnit, "share of the field in the motion of places");
-  if (fields & kFollow) {
+  if (fields & kHasFollow) {
     visitor.field("follow", choice(op.follow, kFollowNames), {},
                   "drag_pair: what of the neighbours follows the puller");
     visitor.field("distance", op.distance, kNotNegative,
                   "drag_pair: rest distance to the puller within which the interface follows, m of solver space");
   }
-  if (fields & kProjection) {
+  if (fields & kHasProjection) {
     visitor.field("eta", op.eta, kUnit, "structure_projection");
     visitor.field("mode", choice(op.rigid, kProjectionModes), {},
                   "structure_projection: literal (default), or rigid: turned with the row");
   }
-  if (fields & kNeighbours)
+  if (fields & kHasNeighbours)
     visitor.field("neighbours", op.neighbours, at_least(0),
                   "drag_pair: rows that may follow; interface_retention: rows whose particles may be bonded");
 }
@@ -99,7 +99,7 @@ Json operation_schema() {
   ScheduleOperation op;
   FieldSchema schema;
   schema.field("operation", choice(op.kind, kOperationNames), {}, "");
-  visit_fields(op, kEveryField, schema);
+  visit_fields(op, kHasEverything, schema);
   return schema.take();
 }
 

@@ -138,7 +138,7 @@ void require_registered(const Suite& suite) {
     if (line.size() > kHashDigits + 2) registered[line.substr(kHashDigits + 2)] = line.substr(0, kHashDigits);
   }
   for (const auto& [name, hash] : suite.hashes) {
-    const std::string file = (fs::path(folder_of(suite.path)) / name).string();
+    const std::string file = join_path(folder_of(suite.path), name);
     const auto found = registered.find(name);
     if (found == registered.end())
       throw invalid_input({file, "", "no hash of it in " + register_path, "a registered file", fix});

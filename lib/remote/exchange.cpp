@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "base/file.h"
 #include "base/hash.h"
@@ -59,8 +58,7 @@ std::string ExchangeRecord::sha256() const {
 }
 
 void save_exchange(const std::string& folder, const ExchangeRecord& record, const Request& request) {
-  namespace fs = std::filesystem;
-  for (const Attachment& a : request.attachments) write_file((fs::path(folder) / attachment_file(a)).string(), a.bytes);
+  for (const Attachment& a : request.attachments) write_file(join_path(folder, attachment_file(a)), a.bytes);
   Json json;
   json["name"] = record.name;
   json["sha256"] = record.sha256();
@@ -69,7 +67,7 @@ void save_exchange(const std::string& folder, const ExchangeRecord& record, cons
   json["runtime"] = record.runtime;
   Provenance provenance;
   provenance.tool = tool_name();
-  save_record((fs::path(folder) / (record.name + ".json")).string(), "exchange", provenance, json);
+  save_record(join_path(folder, record.name + ".json"), "exchange", provenance, json);
 }
 
 ExchangeRecord load_exchange(const std::string& path) {

@@ -17,7 +17,7 @@ namespace {
 constexpr double kShC0 = 0.28209479177387814;  // the constant real spherical harmonic
 constexpr size_t kSplatBytes = 32;
 // Large captured scenes reach a few GiB.
-constexpr size_t kMaxFileBytes = size_t{16} << 30;
+constexpr size_t kMaxGaussianBytes = size_t{16} << 30;
 
 bool ends_with(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
@@ -113,7 +113,7 @@ Gaussians parse_gaussians(const std::string& path, const std::string& bytes) {
 }
 
 Gaussians load_gaussians(const std::string& path) {
-  return parse_gaussians(path, read_file(path, kMaxFileBytes));
+  return parse_gaussians(path, read_file(path, kMaxGaussianBytes));
 }
 
 Gaussians load_labelled_gaussians(const std::string& path, const State& state, const std::string& state_path) {

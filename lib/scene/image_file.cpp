@@ -14,7 +14,7 @@
 namespace physmas {
 namespace {
 
-constexpr size_t kMaxFileBytes = size_t{1} << 30;
+constexpr size_t kMaxImageBytes = size_t{1} << 30;
 constexpr uint64_t kMaxPixels = 1 << 28;
 constexpr int kCaptionFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr double kCaptionScale = 0.42;
@@ -148,7 +148,7 @@ bool save_png(const std::string& path, const Image& image) {
 }
 
 Image load_image(const std::string& path) {
-  return decode_image(read_file(path, kMaxFileBytes), path);
+  return decode_image(read_file(path, kMaxImageBytes), path);
 }
 
 Image decode_image(const std::string& bytes, const std::string& path) {

@@ -17,16 +17,12 @@ namespace fs = std::filesystem;
 namespace physmas::screen {
 namespace {
 
-std::string in(const std::string& folder, const std::string& name) {
-  return (fs::path(folder) / name).string();
-}
-
 // A candidate of `round` with its records.
 Executed load_one(const RoundFiles& files, const std::string& id, int round, const Inventory& inventory,
                   Provenance& provenance) {
-  const std::string candidate_path = in(files.candidates, id + ".json");
-  const std::string execution_path = in(files.rollouts, id + ".json");
-  const std::string render_path = in(files.videos, id + ".json");
+  const std::string candidate_path = join_path(files.candidates, id + ".json");
+  const std::string execution_path = join_path(files.rollouts, id + ".json");
+  const std::string render_path = join_path(files.videos, id + ".json");
   Executed executed;
   executed.candidate = load_candidate(candidate_path, id, inventory);
   if (executed.candidate.round != round) {
@@ -56,7 +52,7 @@ void copy_video(const std::string& from, const std::string& to) {
 
 // accepted.json and final.mp4, where they were asked for.
 void publish(const RoundFiles& files, const ScreenRecord& record, const Executed& executed, int frames) {
-  const std::string video = in(files.videos, executed.render.video);
+  const std::string video = join_path(files.videos, executed.render.video);
   if (!files.final_video.empty()) copy_video(video, files.final_video);
   if (files.accepted.empty()) return;
   const std::string& id = record.accepted;
@@ -69,14 +65,15 @@ void publish(const RoundFiles& files, const ScreenRecord& record, const Executed
   }
   accepted.video = portable_path(files.final_video.empty() ? video : files.final_video, folder);
   accepted.frames = frames;
-  const std::vector<std::pair<std::string, std::string>> trail = {{"inventory", files.inventory},
-                                                                  {"plan", files.plan},
-                                                                  {"evidence", files.evidence},
-                                                                  {"candidate", in(files.candidates, id + ".json")},
-                                                                  {"execution", in(files.rollouts, id + ".json")},
-                                                                  {"rollout", in(files.rollouts, id + ".h5")},
-                                                                  {"render", in(files.videos, id + ".json")},
-                                                                  {"screen", files.out}};
+  const std::vector<std::pair<std::string, std::string>> trail = {
+      {"inventory", files.inventory},
+      {"plan", files.plan},
+      {"evidence", files.evidence},
+      {"candidate", join_path(files.candidates, id + ".json")},
+      {"execution", join_path(files.rollouts, id + ".json")},
+      {"rollout", join_path(files.rollouts, id + ".h5")},
+      {"render", join_path(files.videos, id + ".json")},
+      {"screen", files.out}};
   Provenance provenance;
   provenance.tool = "pm-screen";
   provenance.add_input(files.out);
@@ -100,7 +97,7 @@ std::vector<Executed> load_executed(const RoundFiles& files, int round, const In
   std::vector<Executed> all;
   std::set<std::string> seen;
   for (int k = 0; k <= round; ++k) {
-    const std::string path = in(files.candidates, "round" + std::to_string(k) + ".json");
+    const std::string path = join_path(files.candidates, "round" + std::to_string(k) + ".json");
     const CandidateRound record = load_round(path);
     if (record.round != k) throw invalid_field(path, "/round", record.round, std::to_string(k));
     provenance.add_input(path);
@@ -110,7 +107,7 @@ std::vector<Executed> load_executed(const RoundFiles& files, int round, const In
     }
   }
   if (all.empty()) {
-    throw invalid_input({in(files.candidates, "round0.json"), "/candidates", "no candidate", "at least one"});
+    throw invalid_input({join_path(files.candidates, "round0.json"), "/candidates", "no candidate", "at least one"});
   }
   return all;
 }
@@ -138,7 +135,8 @@ ScreenRecord screen_round(const RoundFiles& files, int round) {
   const auto best =
       std::find_if(executed.begin(), executed.end(), [&](const Executed& e) { return e.candidate.id == chosen; });
   if (best != executed.end()) {
-    audit_accepted(record, *best, records, best->render.video.empty() ? "" : in(files.videos, best->render.video));
+    audit_accepted(record, *best, records,
+                   best->render.video.empty() ? "" : join_path(files.videos, best->render.video));
   }
   save_screen(files.out, record, provenance);
   // The decision for make, which builds the next round's part of the graph from it.

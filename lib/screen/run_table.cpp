@@ -18,10 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr int kRounds = 3;  // the most that a run has
 
-std::string in(const std::string& folder, const std::string& name) {
-  return (fs::path(folder) / name).string();
-}
-
 bool exists(const std::string& path) {
   std::error_code failure;
   return fs::is_regular_file(path, failure);
@@ -44,20 +40,21 @@ double total_seconds(const Json& runtime) {
 }
 
 void add_candidate_times(RunSummary& run, const std::string& folder, const ScreenedCandidate& candidate) {
-  run.simulate_seconds += total_seconds(load_execution(in(folder, "rollouts/" + candidate.id + ".json")).runtime);
-  run.render_seconds += total_seconds(load_render(in(folder, "videos/" + candidate.id + ".json")).runtime);
+  run.simulate_seconds +=
+      total_seconds(load_execution(join_path(folder, "rollouts/" + candidate.id + ".json")).runtime);
+  run.render_seconds += total_seconds(load_render(join_path(folder, "videos/" + candidate.id + ".json")).runtime);
 }
 
 void read_screen(RunSummary& run, const std::string& folder) {
   int last = -1;
   // A later record may be left from before the scene changed: the run ends with the first round that asks for no
   // repair.
-  for (int k = 0; k < kRounds && exists(in(folder, fmt::format("screen/round{}.json", k))); ++k) {
+  for (int k = 0; k < kRounds && exists(join_path(folder, fmt::format("screen/round{}.json", k))); ++k) {
     last = k;
-    if (load_screen(in(folder, fmt::format("screen/round{}.json", k))).decision != "repair") break;
+    if (load_screen(join_path(folder, fmt::format("screen/round{}.json", k))).decision != "repair") break;
   }
   if (last < 0) return;
-  const ScreenRecord record = load_screen(in(folder, fmt::format("screen/round{}.json", last)));
+  const ScreenRecord record = load_screen(join_path(folder, fmt::format("screen/round{}.json", last)));
   run.rounds = last + 1;
   run.candidates = static_cast<int>(record.candidates.size());
   run.candidate = record.accepted;
@@ -77,8 +74,8 @@ RunSummary summarise_run(const std::string& folder) {
   run.result = "failed";
   int exit = 0;
   try {
-    if (exists(in(folder, "batch.status"))) {
-      std::istringstream status(read_file(in(folder, "batch.status")));
+    if (exists(join_path(folder, "batch.status"))) {
+      std::istringstream status(read_file(join_path(folder, "batch.status")));
       status >> exit >> run.seconds;
     }
     read_screen(run, folder);
@@ -86,7 +83,7 @@ RunSummary summarise_run(const std::string& folder) {
     if (run.result == "failed" || (exit != 0 && run.result == "accepted")) {
       run.result = "failed";
       run.candidate.clear();
-      run.reason = last_error_line(in(folder, "log.txt"));
+      run.reason = last_error_line(join_path(folder, "log.txt"));
     }
   } catch (const Error& e) {
     run.result = "failed";

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/file.h"
 
 namespace fs = std::filesystem;
 
@@ -55,7 +56,7 @@ std::vector<int> parse_frames(const std::string& list, int count) {
 }
 
 std::string FrameFiles::path(int frame) const {
-  return (fs::path(folder) / fmt::format("{}_{:04d}.{}", name, frame, extension)).string();
+  return join_path(folder, fmt::format("{}_{:04d}.{}", name, frame, extension));
 }
 
 void remove_other_frames(const FrameFiles& files, const std::vector<int>& frames) {

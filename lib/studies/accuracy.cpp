@@ -54,9 +54,9 @@ Camera study_camera() {
   return look_at({1.4, -0.95, 1.3}, {1, 1, 0.72}, {0, 0, 1}, 0.55, 400, 400);
 }
 
-class Judge {
+class ErrorJudge {
  public:
-  Judge(const AccuracyCase& setup, double spacing, Trace reference)
+  ErrorJudge(const AccuracyCase& setup, double spacing, Trace reference)
       : size_(setup.size), reference_(std::move(reference)), tracker_(study_camera(), 0.75 * spacing) {
     queries_ = tracker_.choose_queries(reference_.position.front());
     for (const auto& x : reference_.position) tracker_.add_frame(x, queries_, motion_);
@@ -157,7 +157,7 @@ AccuracyStudy run_accuracy(const AccuracyCase& setup, const AccuracyPlan& plan, 
     throw internal_error("the reference of " + setup.name + " diverged: " + r.reason);
   study.reference = {static_cast<long long>(8 * setup.problem.particles.size()), r.steps,
                      r.seconds_particles + r.seconds_grid + r.seconds_sort};
-  Judge judge(setup, plan.spacing, std::move(reference));
+  ErrorJudge judge(setup, plan.spacing, std::move(reference));
   AccuracySetting doubled = finest;
   doubled.step = fixed_step(2 * plan.reference_dt);
   const Trace check = trace(fine, doubled, plan.frame_dt, setup.duration, 8);

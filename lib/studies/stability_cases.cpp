@@ -16,20 +16,20 @@ using mpm::Vec3d;
 // The grid spacing is that of the paper's 100³ grid over an edge of 2, so that steps compare with its own.
 constexpr double kDx = 0.02;
 constexpr int kCells = 16;
-constexpr double kFloor = 4.3 * kDx;  // not on a node
-constexpr double kEdge = 3 * kDx;     // of the block
-constexpr double kGap = kDx;          // that it falls
-constexpr double kLongest = 0.25;     // s
-constexpr double kTransits = 20;      // of a wave through the block, after the impact
-constexpr double kMach = 0.05;        // least impact speed as a share of the wave speed
-constexpr double kFastest = 200;      // m/s: half a cell in the smallest step of the paper's rule, 5e-5 s
+constexpr double kFloorHeight = 4.3 * kDx;  // not on a node
+constexpr double kEdge = 3 * kDx;           // of the block
+constexpr double kGap = kDx;                // that it falls
+constexpr double kLongest = 0.25;           // s
+constexpr double kTransits = 20;            // of a wave through the block, after the impact
+constexpr double kMach = 0.05;              // least impact speed as a share of the wave speed
+constexpr double kFastest = 200;            // m/s: half a cell in the smallest step of the paper's rule, 5e-5 s
 
 mpm::Domain make_domain() {
   mpm::Domain domain;
   domain.n = kCells;
   domain.length = kCells * kDx;
   mpm::Collider floor;
-  floor.center = {0, 0, kFloor};
+  floor.center = {0, 0, kFloorHeight};
   floor.friction = 0.4;
   domain.colliders.push_back(floor);
   return domain;
@@ -74,7 +74,7 @@ double impact_duration(const Material& m) {
 
 Vec3d block_corner(double height = kGap) {
   const double side = 0.5 * (kCells * kDx - kEdge) + 0.13 * kDx;
-  return {side, side, kFloor + height};
+  return {side, side, kFloorHeight + height};
 }
 
 // A block that hits the floor at an edge and a corner first would tumble; here it hits flat, a little askew in x.
@@ -169,7 +169,7 @@ StabilityCase extreme(const std::string& name, const Material& material) {
 }
 
 void add_few_particles(std::vector<StabilityCase>& cases) {
-  const Vec3d above = {8.2 * kDx, 8.4 * kDx, kFloor + 0.7 * kDx};
+  const Vec3d above = {8.2 * kDx, 8.4 * kDx, kFloorHeight + 0.7 * kDx};
   const Material stiff = {mpm::Branch::metal, 1e7, 0.3, 1000}, soft = {mpm::Branch::jelly, 1e5, 0.3, 1000};
   StabilityCase c = extreme("one particle", stiff);
   add_particle(c.problem, above, 0, {1, 0, -1});
@@ -208,7 +208,7 @@ void add_thin(std::vector<StabilityCase>& cases) {
     StabilityCase c = extreme("a sheet thinner than a cell", typical(b));
     for (int x = 0; x < 6; ++x)
       for (int y = 0; y < 6; ++y)
-        add_particle(c.problem, {(6.6 + 0.5 * x) * kDx, (6.6 + 0.5 * y) * kDx, kFloor + (0.2 + 0.3 * x) * kDx}, 0,
+        add_particle(c.problem, {(6.6 + 0.5 * x) * kDx, (6.6 + 0.5 * y) * kDx, kFloorHeight + (0.2 + 0.3 * x) * kDx}, 0,
                      {1, 0, -2});
     cases.push_back(c);
   }
@@ -278,7 +278,7 @@ void add_crowd(std::vector<StabilityCase>& cases, int count) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> inside(0, kDx);
   for (int i = 0; i < count; ++i) {
-    add_particle(c.problem, {8 * kDx + inside(random), 8 * kDx + inside(random), kFloor + inside(random)}, 0,
+    add_particle(c.problem, {8 * kDx + inside(random), 8 * kDx + inside(random), kFloorHeight + inside(random)}, 0,
                  {0, 0, -1});
     c.problem.particles.volume.back() = kDx * kDx * kDx / count;
   }

@@ -199,7 +199,7 @@ TEST_CASE("ground: strengths of ratios scale the change, and everything stays wi
   CHECK(plan_of("hold the ball").corrections.empty());
   for (int i = 0; i < kActionCount; ++i) {
     const ActionLine& range = action_line(static_cast<ActionType>(i));
-    CHECK(static_cast<int>(range.type) == i);
+    CHECK(static_cast<int>(range.kind) == i);
     CHECK(range.min <= range.magnitude);
     CHECK(range.magnitude <= range.max);
   }

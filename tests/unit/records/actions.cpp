@@ -53,7 +53,7 @@ TEST_CASE("actions: bounds hold the defaults, and ratios and intervals make sens
     CHECK(action.min <= action.magnitude);
     CHECK(action.magnitude <= action.max);
     CHECK((action.end_fraction >= 0 && action.end_fraction <= 1));
-    CHECK(is_ratio(action.kind) == ((action.fields & kRatio) != 0));
+    CHECK(is_ratio(action.kind) == ((action.fields & kHasRatio) != 0));
   }
   CHECK_THROWS_AS(action_from("structure_projection"), Error);
 }
