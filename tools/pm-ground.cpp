@@ -15,6 +15,7 @@
 #include "plan/scene_geometry.h"
 #include "plan/scene_inventory.h"
 #include "plan/scene_plan.h"
+#include "plan/stated_materials.h"
 #include "records/inventory.h"
 #include "records/json.h"
 #include "records/masks.h"
@@ -29,6 +30,7 @@ namespace {
 
 struct Options {
   std::string scene, out, model, agent = "builtin", perception = "builtin";
+  std::string material;
   std::string detector = "grounding-dino", segmenter = "sam2";
   remote::RemoteOptions remote;
 };
@@ -109,7 +111,7 @@ int ground_scene(Options options) {
     agent.emplace(*models.chat, scene, pictures);
     proposal = agent->propose(registered ? &*registered : nullptr, inventory);
   } else {
-    inventory = registered ? *registered : plan::inventory_from_prompt(scene.prompt);
+    inventory = registered ? *registered : plan::inventory_from_prompt(scene.prompt, scene.name);
   }
   plan::complete_inventory(inventory, view_names, scene.inventory);
 
@@ -126,6 +128,9 @@ int ground_scene(Options options) {
   const plan::SceneGeometry geometry = plan::measure_scene(scene, inventory, perception.views);
   Plan plan = agent ? plan::compile_proposal(proposal, scene.prompt, inventory, geometry, scene.run)
                     : plan::plan_from_prompt(scene.prompt, inventory, geometry, scene.run, scene.file);
+  for (const PlanMaterial& material : plan::stated_materials(options.material, inventory))
+    plan.materials.push_back(material);
+  plan::expect_materials(plan.materials, inventory);
   if (!scene.run.ablation.object_part_state) plan::collapse_parts(inventory, perception.views, plan);
 
   Provenance provenance;
@@ -145,11 +150,11 @@ int ground_scene(Options options) {
   for (const Omission& omission : rejected) log_info(omission.what + ": " + omission.why);
   for (const Omission& omission : perception.omitted) log_info(omission.what + ": " + omission.why);
   for (const std::string& correction : plan.corrections) {
-    // What was not understood is not done: that a user should see without asking.
-    if (correction.rfind(plan::kNotUnderstood, 0) == 0) {
+    // What was guessed or dropped decides what a user gets to see; what is not done, all the more.
+    if (correction.rfind(plan::kNotUnderstood, 0) == 0 || correction.rfind(plan::kNotDone, 0) == 0) {
       log_warning("the prompt: " + correction);
     } else {
-      log_info(correction);
+      log_note("the prompt: " + correction);
     }
   }
   return static_cast<int>(ExitCode::done);
@@ -176,6 +181,9 @@ int main(int argc, char** argv) {
                    "(http://localhost:8000/v1), or replay:DIR")
         .capture_default_str()
         .type_name("builtin|URL|replay:DIR");
+    app.add_option("--material", options.material,
+                   "What parts are made of: PART=LABEL ..., or LABEL for all; it becomes the expected label")
+        .type_name("TEXT");
     app.add_option("--model", options.model, "Name of the chat model on that server").type_name("NAME");
     app.add_option("--perception", options.perception,
                    "builtin (the bundle's masks, else by appearance hints), masks:DIR (VIEW/OBJECT.png, "

@@ -1,4 +1,6 @@
 // pm-material: row-wise material evidence from the inventory, the masks and, when given, models and authored records.
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -39,6 +41,13 @@ std::optional<MaterialRecords> observe(const Options& options, const Scene& scen
   const auto keep_exchanges = [&](const remote::Backend& backend) {
     evidence.exchanges.insert(evidence.exchanges.end(), backend.exchanges().begin(), backend.exchanges().end());
   };
+  if (options.authored.empty() && !scene.materials.empty()) {
+    MaterialRecords came = load_material_records(scene.materials, inventory);
+    share_with_only_row(came, inventory);
+    provenance.add_input(scene.materials);
+    take(came);
+    log_note("materials as the imported configuration says; --authored FILE (AUTHORED=) replaces them");
+  }
   for (const std::string& file : {options.authored, predictor == BackendKind::file ? options.predictor : ""}) {
     if (file.empty()) continue;
     provenance.add_input(file);
@@ -107,6 +116,12 @@ int work(Options options) {
                                    material::mask_confidences(inventory, masks), records);
   for (const EvidenceRow& row : evidence.rows) {
     log_info(row.key + ": " + kLabels[row.label].name + ", P " + std::to_string(row.confidence));
+    if (row.fallback && !row.residual && row.gaussians > 0) {
+      const LabelPrior& label = kLabels[row.label];
+      log_note(
+          fmt::format("no material known for {}: {}, {:.0f} MPa, without evidence; --material (MATERIAL=) changes it",
+                      row.key, label.name, 1e-6 * label.E_default()));
+    }
   }
   save_evidence(options.out, evidence, provenance);
   return static_cast<int>(ExitCode::done);

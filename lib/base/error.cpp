@@ -44,6 +44,16 @@ Error system_error(const std::string& file, const std::string& doing, int error_
   return Error(ExitCode::invalid_input, one_line(file + ": " + doing + ": " + std::strerror(error_number)));
 }
 
+long utf8_length(const std::string& text) {
+  long count = 0;
+  for (size_t i = 0; i < text.size(); ++count) {
+    const size_t bytes = character_bytes(text, i);
+    if (bytes == 0) return -1;
+    i += bytes;
+  }
+  return count;
+}
+
 std::string one_line(const std::string& text, size_t limit) {
   std::string line;
   for (size_t at = 0; at < text.size();) {

@@ -50,6 +50,9 @@ Error system_error(const std::string& file, const std::string& doing, int error_
 // is cut after `limit` bytes and the character that they end in, with an ellipsis.
 std::string one_line(const std::string& text, size_t limit = 400);
 
+// Number of characters of a text in UTF-8, or -1 where it is none.
+long utf8_length(const std::string& text);
+
 }  // namespace physmas
 
 #endif

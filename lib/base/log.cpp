@@ -45,6 +45,9 @@ void log_error(const std::string& text) {
 void log_warning(const std::string& text) {
   if (g_level >= LogLevel::warning) print_line("warning: ", text);
 }
+void log_note(const std::string& text) {
+  if (g_level >= LogLevel::warning) print_line("note: ", text);
+}
 void log_info(const std::string& text) {
   if (g_level >= LogLevel::info) print_line("", text);
 }

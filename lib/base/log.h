@@ -18,6 +18,8 @@ const std::string& tool_name();
 
 void log_error(const std::string& text);
 void log_warning(const std::string& text);
+// For the user, without being asked, and no warning: what was assumed.
+void log_note(const std::string& text);
 void log_info(const std::string& text);
 void log_debug(const std::string& text);
 

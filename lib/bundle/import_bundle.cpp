@@ -254,9 +254,7 @@ void record_selection(const Selection& selection, size_t removed, Provenance& pr
 
 void write_import_bundle(const ImportOptions& given) {
   ImportOptions options = given;
-  if (options.prompt.find_first_not_of(" \t\r\n") == std::string::npos)
-    throw invalid_input({"--prompt", "", "a blank prompt", "a description of the motion",
-                         "for example --prompt \"it falls onto the floor\""});
+  check_prompt(options.prompt, "--prompt");
   if (options.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") != std::string::npos ||
       options.name.size() > kMaxName) {
     throw Error(ExitCode::usage, "--name: found \"" + one_line(options.name, 80) +
@@ -346,8 +344,8 @@ void write_import_bundle(const ImportOptions& given) {
     Provenance hints;
     hints.tool = "pm-scene";
     hints.add_input(options.physgaussian);
-    save_record(options.folder + "/material-records.json", "material_records", hints,
-                material_hints(configuration, row_keys));
+    scene.materials = options.folder + "/material-records.json";
+    save_record(scene.materials, "material_records", hints, material_hints(configuration, row_keys));
   }
   save_scene(options.folder + "/scene.json", scene, provenance);
   if (turned) fmt::print("turned: the bundle has PhysGaussian's axes, {}\n", rotation_text(configuration.turn));

@@ -30,7 +30,7 @@ const std::vector<RoleRule>& role_rules() {
 }  // namespace
 
 RoleEvidence look_up_role(const InventoryRow& row) {
-  const std::string text = match_text({row.name, row.structural_role});
+  const RowText text = row_text(row, {row.name, row.structural_role});
   RoleEvidence evidence;
   for (const RoleRule& rule : role_rules()) {
     if (!contains_any(text, rule.words)) continue;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "base/constants.h"
 #include "base/words.h"
 
 namespace physmas::plan {
@@ -19,6 +20,17 @@ bool is_number(const std::string& token) {
   return !token.empty() && token[0] >= '0' && token[0] <= '9';
 }
 
+bool is_unit(const std::string& token) {
+  return one_of(token, {"m",  "cm",      "mm",    "meter", "meters", "metre",  "metres",  "kg",
+                        "g",  "gram",    "grams", "kilo",  "kilos",  "n",      "newton",  "newtons",
+                        "pa", "percent", "times", "s",     "sec",    "second", "seconds", "m/s"});
+}
+
+// "push over the vase" lays it over, as against "rolls over the table".
+bool lays_over(const std::string& lemma) {
+  return one_of(lemma, {"knock", "push", "kick", "blow", "tip", "turn", "bump", "shove", "nudge", "pull"});
+}
+
 // "without damage" says what the result looks like, not what happens.
 bool starts_time(const Clause& c, size_t i) {
   return i + 1 < c.size() && one_of(c[i], {"for", "after", "at", "within", "during"}) && is_number(c[i + 1]);
@@ -32,7 +44,7 @@ class Reader {
   Reading read(const std::string& prompt) {
     Clause clause;
     bool then = false;
-    for (const std::string& token : tokens_of(prompt)) {
+    for (const std::string& token : replace_phrases(tokens_of(prompt))) {
       if (!ends_clause(token)) {
         clause.push_back(token);
         continue;
@@ -74,7 +86,7 @@ class Reader {
     return verbs;
   }
 
-  // Left and right are directions unless they single out a part ("the left leaf"); top, front, ... need a
+  // Left and right are directions unless they single out a part ("the left leaf") or a side; top, front, ... need a
   // preposition.
   DirectionWord direction_at(const Clause& c, size_t i, bool after_preposition) const {
     const DirectionWord word = find_direction(c[i]);
@@ -85,6 +97,8 @@ class Reader {
     if (has_next && one_of(c[i], {"top", "bottom", "front", "back", "left", "right", "behind"})) {
       if (c[i] == "right" && c[i + 1] == "away") return DirectionWord::none;
       if (c[i + 1] == "of" || (known(c[i + 1]) && i > 0 && is_determiner(c[i - 1]))) return DirectionWord::none;
+      if (!after_preposition && i > 0 && is_determiner(c[i - 1]) && find_region(c[i + 1]) == Region::side)
+        return DirectionWord::none;
     }
     return word;
   }
@@ -104,10 +118,44 @@ class Reader {
       of_slot = nullptr;
     };
     double emphasis = 0;
+    std::string dropped;  // the phrase that says nothing to the plan, as far as it is read
+    const auto drop = [&] {
+      const bool says = dropped.find(' ') != std::string::npos && dropped != "under gravity";
+      if (says) event.unused.push_back(dropped);
+      dropped.clear();
+    };
+    const auto leave_out = [&](const std::string& words) {
+      if (slot == &ignored && !dropped.empty()) {
+        dropped += " " + words;
+      } else {
+        event.unused.push_back(words);
+      }
+    };
     for (size_t i = begin; i < end; ++i) {
       const std::string& token = c[i];
       if (starts_time(c, i)) {
-        i = read_quantity(c, i, event);
+        const auto [last, left_out] = read_quantity(c, i, event);
+        if (!left_out.empty()) leave_out(left_out);
+        i = last;
+        continue;
+      }
+      if (is_number(token)) {
+        const auto [last, left_out] = read_number(c, i, event);
+        if (!left_out.empty()) leave_out(left_out);
+        i = last;
+        continue;
+      }
+      if (token == "to-and-fro" || token == "up-and-down") {
+        event.to_and_fro = true;
+        if (token == "up-and-down") event.directions.push_back(DirectionWord::up);
+        continue;
+      }
+      if (token == "apart") {
+        event.apart = true;
+        continue;
+      }
+      if (token == "over" && is_laid_over(c, i, end, event)) {
+        event.tips = true;
         continue;
       }
       const double more = intensifier(token);
@@ -117,6 +165,7 @@ class Reader {
       }
       if (const double factor = strength_factor(token); factor > 0) {
         event.strength = emphasis > 0 ? std::pow(factor, emphasis) : factor;
+        event.says_strength = true;
         emphasis = 0;
         continue;
       }
@@ -149,7 +198,9 @@ class Reader {
           continue;
         }
         close_of();
-        slot = slot_of(token, event, ignored);
+        drop();
+        slot = leads_to_wind(c, i, end) && event.agent.empty() ? &event.agent : slot_of(token, event, ignored);
+        if (slot == &ignored) dropped = token;
         continue;
       }
       const DirectionWord word = direction_at(c, i, false);
@@ -157,9 +208,49 @@ class Reader {
         event.directions.push_back(word);
         continue;
       }
-      if (content(token)) slot->push_back(token);
+      if (find_region(token) != Region::none && !known(token)) {
+        event.place = token;
+        continue;
+      }
+      if (one_of(token, {"again", "twice", "thrice", "times", "repeatedly"})) {
+        leave_out(token == "times" && i > begin ? c[i - 1] + " times" : token);
+        continue;
+      }
+      if (!content(token)) continue;
+      slot->push_back(token);
+      if (slot == &ignored) dropped += " " + token;
     }
     close_of();
+    drop();
+  }
+
+  // "in the wind", "by a strong gust of wind": what blows is an agent, whatever the preposition.
+  static bool leads_to_wind(const Clause& c, size_t preposition, size_t end) {
+    for (size_t i = preposition + 1; i < end && !is_preposition(c[i]); ++i) {
+      if (is_wind(singular(c[i]))) return true;
+    }
+    return false;
+  }
+
+  // "knock over the vase", "the vase falls over"; not "slides over the table".
+  static bool is_laid_over(const Clause& c, size_t over, size_t end, const Event& event) {
+    const std::string& lemma = event.verb.lemma;
+    if (over > 0 && find_verb(c[over - 1]) && lays_over(lemma)) return true;
+    return (lays_over(lemma) || one_of(lemma, {"fall", "topple", "keel", "tilt", "lean"})) &&
+           std::none_of(c.begin() + static_cast<long>(over) + 1, c.begin() + static_cast<long>(end), content);
+  }
+
+  // The position of an amount's last word, and what of it says nothing to the plan.
+  using Amount = std::pair<size_t, std::string>;
+
+  // "by 90 degrees", "5 kg", "2 m": an angle counts, other amounts have no scale here.
+  static Amount read_number(const Clause& c, size_t i, Event& event) {
+    const std::string unit = i + 1 < c.size() ? c[i + 1] : "";
+    if (one_of(unit, {"degree", "degrees", "deg", "\u00b0"})) {
+      event.angle = std::strtod(c[i].c_str(), nullptr) * kPi / 180;
+      return {i + 1, ""};
+    }
+    return is_unit(unit) ? Amount(i + 1, c[i] + " " + unit) : Amount(i, c[i]);
   }
 
   static bool is_preposition(const std::string& token) {
@@ -187,19 +278,20 @@ class Reader {
     return opening;
   }
 
-  // "at 2 m/s", "for 1.5 seconds", "after 0.5 s"; returns the position of its last word.
-  static size_t read_quantity(const Clause& c, size_t i, Event& event) {
+  // "at 2 m/s", "for 1.5 seconds", "after 0.5 s".
+  static Amount read_quantity(const Clause& c, size_t i, Event& event) {
     const double value = std::strtod(c[i + 1].c_str(), nullptr);
     const std::string unit = i + 2 < c.size() ? c[i + 2] : "";
     if (unit == "m/s" || one_of(unit, {"meter", "meters", "metre", "metres"})) {
       event.speed = value;
-      return unit == "m/s" ? i + 2 : std::min(i + 4, c.size() - 1);
+      return {unit == "m/s" ? i + 2 : std::min(i + 4, c.size() - 1), ""};
     }
     if (one_of(unit, {"s", "sec", "secs", "second", "seconds"})) {
       (c[i] == "after" || c[i] == "at" ? event.delay : event.duration) = value;
-      return i + 2;
+      return {i + 2, ""};
     }
-    return i + 1;
+    const auto [last, left_out] = read_number(c, i + 1, event);
+    return {last, left_out.empty() ? "" : c[i] + " " + left_out};
   }
 
   void read_clause(const Clause& c, bool then) {
@@ -227,6 +319,7 @@ class Reader {
       } else {
         const Event& previous = reading_.events.back();
         event.subject = previous.object.empty() ? previous.subject : previous.object;
+        if (event.place.empty() && previous.object.empty()) event.place = previous.place;
       }
       const bool inherited = event.subject.empty() && !reading_.events.empty() && !is_imperative(c, verbs[k]);
       if (inherited) event.subject = subject_after(reading_.events.back());
@@ -295,8 +388,11 @@ class Reader {
       if (rest.delay) last.delay = rest.delay;
       if (!rest.toward.empty()) last.toward = rest.toward;
       if (!rest.goal.empty()) last.goal = rest.goal;
+      last.to_and_fro = last.to_and_fro || rest.to_and_fro;
+      last.unused.insert(last.unused.end(), rest.unused.begin(), rest.unused.end());
     }
     if (nouns.empty()) return;
+    if (reading_.events.empty() && reading_.opening_noun.empty()) reading_.opening_noun = nouns;
     pending_.push_back(nouns);
     pending_text_.push_back(join(c, " "));
   }
@@ -330,7 +426,9 @@ class Reader {
   }
 
   void note_noun(const NounPhrase& nouns) {
-    if (!reading_.first_noun.empty() || nouns.empty() || is_pronoun(nouns.back()) || is_external(nouns.back())) return;
+    if (!reading_.first_noun.empty() || nouns.empty() || is_pronoun(nouns.front()) ||
+        is_external(singular(nouns.back())))
+      return;
     reading_.first_noun = nouns;
   }
 

@@ -23,18 +23,26 @@ struct Event {
   NounPhrase toward;      // "to/towards ..."
   bool passive = false;
   bool negated = false;
-  bool then = false;  // told as coming after the event before
+  bool then = false;        // told as coming after the event before
+  bool tips = false;        // "over": the thing is laid over
+  bool to_and_fro = false;  // "back and forth"
+  bool apart = false;       // "pulled apart"
+  std::string place;        // of what is acted on, where the prompt names one that is no part: "top", "headstock"
   std::vector<DirectionWord> directions;
-  double strength = 1;             // factor on the default magnitude
-  std::optional<double> speed;     // "at 2 m/s"
-  std::optional<double> duration;  // "for 1 second" [s]
-  std::optional<double> delay;     // "after 0.5 s" [s]
+  double strength = 1;  // factor on the default magnitude
+  bool says_strength = false;
+  std::optional<double> speed;      // "at 2 m/s"
+  std::optional<double> duration;   // "for 1 second" [s]
+  std::optional<double> delay;      // "after 0.5 s" [s]
+  std::optional<double> angle;      // "by 90 degrees" [rad]
+  std::vector<std::string> unused;  // what was read and says nothing to the plan: "5 kg", "from high"
 };
 
 struct Reading {
   std::vector<Event> events;
   std::vector<std::string> not_understood;  // clauses without a verb that we know
   NounPhrase first_noun;                    // the first noun phrase, whatever its clause says
+  NounPhrase opening_noun;                  // that of a clause without a verb before the first event
 };
 
 // known_nouns: words (singular) of the names in the inventory; a word that is also a verb is a noun after a determiner

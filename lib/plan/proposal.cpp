@@ -14,7 +14,8 @@ Json proposal_of(const Reading& reading) {
     Json entry = {{"verb", event.word},
                   {"meaning", meaning.kind == Kind::action    ? action_name(meaning.type)
                               : meaning.kind == Kind::gravity ? "gravity"
-                                                              : "outcome"}};
+                              : meaning.kind == Kind::outcome ? "outcome"
+                                                              : "not modelled"}};
     const auto add = [&](const char* name, const NounPhrase& phrase) {
       if (!phrase.empty()) entry[name] = join(phrase, " ");
     };
@@ -28,6 +29,10 @@ Json proposal_of(const Reading& reading) {
     if (event.speed) entry["speed"] = *event.speed;
     if (event.duration) entry["duration"] = *event.duration;
     if (event.delay) entry["delay"] = *event.delay;
+    if (event.angle) entry["angle"] = *event.angle;
+    if (event.tips) entry["tips"] = true;
+    if (event.to_and_fro) entry["to_and_fro"] = true;
+    if (event.apart) entry["apart"] = true;
     if (event.negated) entry["negated"] = true;
     proposal["events"].push_back(entry);
   }

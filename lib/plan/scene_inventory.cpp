@@ -8,9 +8,42 @@
 
 namespace physmas::plan {
 
-Inventory inventory_from_prompt(const std::string& prompt) {
-  const Reading reading = read_prompt(prompt, {});
-  const std::string name = reading.first_noun.empty() ? "object" : join(reading.first_noun, " ");
+namespace {
+
+// A phrase as a name, without what it is made of; empty where it names nothing that a scene could hold.
+std::string name_in(const NounPhrase& phrase, bool or_tool_or_ground) {
+  if (phrase.empty() || is_pronoun(phrase.front())) return "";
+  const std::string head = singular(phrase.back());
+  if (is_external(head) || means_whole(head)) return "";
+  if (!or_tool_or_ground && (is_tool(head) || is_ground(head))) return "";
+  std::vector<std::string> words;
+  for (size_t i = 0; i < phrase.size(); ++i) {
+    if (i + 1 == phrase.size() || !find_material(phrase[i])) words.push_back(phrase[i]);
+  }
+  return join(words, " ");
+}
+
+// What the prompt is about: the thing that it introduces, else what is acted on first, else what it mentions.
+std::string name_of(const Reading& reading) {
+  if (reading.events.empty()) return "";
+  for (const bool wide : {false, true}) {
+    std::string name = name_in(reading.opening_noun, false);
+    for (const Event& event : reading.events) {
+      for (const NounPhrase& phrase : {event.passive ? event.subject : event.object, event.subject, event.goal}) {
+        if (name.empty()) name = name_in(phrase, wide);
+      }
+    }
+    if (name.empty()) name = name_in(reading.first_noun, wide);
+    if (!name.empty()) return name;
+  }
+  return "";
+}
+
+}  // namespace
+
+Inventory inventory_from_prompt(const std::string& prompt, const std::string& scene_name) {
+  std::string name = name_of(read_prompt(prompt, {}));
+  if (name.empty()) name = scene_name.empty() ? "object" : scene_name;
   InventoryObject object;
   object.id = identifier_of(name);
   object.name = name;
@@ -19,6 +52,7 @@ Inventory inventory_from_prompt(const std::string& prompt) {
   row.object = object.id;
   row.part = object.id == kResidualPart ? "object" : object.id;
   row.name = name;
+  row.named_by_prompt = true;
   Inventory inventory;
   inventory.objects.push_back(object);
   inventory.rows.push_back(row);

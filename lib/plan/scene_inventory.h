@@ -11,8 +11,9 @@ namespace physmas::plan {
 
 constexpr const char* kResidualPart = "residual";
 
-// One object with one part, named by the prompt's first noun phrase ("object" where it has none).
-Inventory inventory_from_prompt(const std::string& prompt);
+// One object with one part, named after what the prompt acts on; after the scene where it names nothing that a scene
+// holds (agents, tools, "it").
+Inventory inventory_from_prompt(const std::string& prompt, const std::string& scene_name);
 
 // Puts one residual row per object behind all semantic rows, in object order (paper, "Object-Part Scene Agent":
 // residual rows complete the cover), and a query per object and view where the author gave none.

@@ -14,6 +14,7 @@ namespace physmas::plan {
 
 // How a correction begins that quotes words of the prompt which the agent could not read.
 inline constexpr const char* kNotUnderstood = "not understood, left out: ";
+inline const std::string kNotDone = "not done: ";
 
 // Resolves the prompt against the inventory. Directions are unit vectors in scene axes; magnitudes are bounded by the
 // table in records/actions.h; intervals lie within the run's duration. Everything that was defaulted,

@@ -1,5 +1,7 @@
 #include "plan/vocabulary.h"
 
+#include <algorithm>
+
 #include "plan/word_table.h"
 
 namespace physmas::plan {
@@ -64,6 +66,31 @@ DirectionWord opposite(DirectionWord word) {
   return DirectionWord::none;
 }
 
+Region find_region(const std::string& token) {
+  return value_of(word_table().regions, token);
+}
+
+std::optional<int> find_material(const std::string& token) {
+  const auto found = word_table().materials.find(token);
+  if (found == word_table().materials.end()) return std::nullopt;
+  return found->second;
+}
+
+std::vector<std::string> replace_phrases(const std::vector<std::string>& tokens) {
+  std::vector<std::string> replaced;
+  for (size_t i = 0; i < tokens.size();) {
+    const auto fits = [&](const auto& phrase) {
+      return phrase.first.size() <= tokens.size() - i &&
+             std::equal(phrase.first.begin(), phrase.first.end(), tokens.begin() + static_cast<long>(i));
+    };
+    const auto& phrases = word_table().phrases;
+    const auto found = std::find_if(phrases.begin(), phrases.end(), fits);
+    replaced.push_back(found == phrases.end() ? tokens[i] : found->second);
+    i += found == phrases.end() ? 1 : found->first.size();
+  }
+  return replaced;
+}
+
 double strength_factor(const std::string& token) {
   return value_of(word_table().strengths, token);
 }
@@ -110,6 +137,14 @@ bool is_external(const std::string& noun) {
 
 bool is_ground(const std::string& noun) {
   return is_small(SmallWord::ground, noun);
+}
+
+bool is_tool(const std::string& noun) {
+  return is_small(SmallWord::tool, noun);
+}
+
+bool means_whole(const std::string& noun) {
+  return is_small(SmallWord::whole, noun);
 }
 
 bool is_filler(const std::string& token) {

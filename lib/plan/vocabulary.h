@@ -14,11 +14,14 @@ namespace physmas::plan {
 // What a verb asks for: one of the ten actions of the paper's Table "actions", or nothing that needs an action.
 struct Meaning {
   enum class Kind {
-    action,   // `type` says which
-    gravity,  // gravity and the colliders of the run specification do it
-    outcome   // something that the simulation shows or does not show; nothing to command
+    action,       // `type` says which
+    gravity,      // gravity and the colliders of the run specification do it
+    outcome,      // something that the simulation shows or does not show; nothing to command
+    not_modelled  // what no branch of the solver does: `field` says what of
   } kind = Kind::outcome;
   ActionType type = ActionType::translation;
+  bool tips = false;  // a torque about a horizontal axis: the thing is laid over
+  std::string field;  // fracture, liquid, heat, life
 };
 
 struct Verb {
@@ -50,6 +53,17 @@ enum class DirectionWord {
   counterclockwise
 };
 
+// A place of a thing that has no part of that name: its upper end, its lower end, or somewhere else on it.
+enum class Region { none, top, bottom, side };
+Region find_region(const std::string& token);
+
+// Index into kLabels (records/labels.h) of the material that a word means ("wooden", "jelly"); empty for other words.
+std::optional<int> find_material(const std::string& token);
+
+// The tokens with what several of them say together as one: "after that" is then, "into the air" upwards, "back and
+// forth" to-and-fro, "up and down" up-and-down.
+std::vector<std::string> replace_phrases(const std::vector<std::string>& tokens);
+
 // "down", "leftwards", "forward", "+x", ...; none for other tokens. Whether a word such as "left" means a direction in
 // its place is for the parser to judge.
 DirectionWord find_direction(const std::string& token);
@@ -71,6 +85,8 @@ bool ends_clause(const std::string& token);    // and, then, while, "," ...
 bool is_external(const std::string& noun);     // hand, someone, wind: acts from outside the scene
 bool is_wind(const std::string& noun);         // wind, breeze, gust: its push is an impulse
 bool is_ground(const std::string& noun);       // floor, table: what the run's colliders stand for
+bool is_tool(const std::string& noun);         // hammer, stick, car: acts where something else is acted on
+bool means_whole(const std::string& noun);     // object, thing: names nothing
 bool is_filler(const std::string& token);      // words that carry nothing for the plan
 
 }  // namespace physmas::plan

@@ -10,6 +10,7 @@
 #include "base/embedded_text.h"
 #include "base/error.h"
 #include "base/words.h"
+#include "records/labels.h"
 
 namespace physmas::plan {
 namespace {
@@ -20,9 +21,12 @@ constexpr const char* kFile = "lib/plan/words/vocabulary.txt";
 constexpr std::array<const char*, 14> kDirections = {
     "up", "down", "left", "right", "toward", "away",      "+x",
     "-x", "+y",   "-y",   "+z",    "-z",     "clockwise", "counterclockwise"};
-constexpr std::array<const char*, kSmallWordCount> kSmallWords = {"determiner", "pronoun",  "passive",    "auxiliary",
-                                                                  "giving",     "negation", "clause-end", "wind",
-                                                                  "external",   "ground",   "filler"};
+constexpr std::array<const char*, kSmallWordCount> kSmallWords = {
+    "determiner", "pronoun",  "passive", "auxiliary", "giving", "negation", "clause-end",
+    "wind",       "external", "tool",    "whole",     "ground", "filler"};
+
+constexpr std::array<const char*, 3> kRegions = {"top", "bottom", "side"};  // of Region, from the one after `none`
+constexpr std::array<const char*, 4> kNotModelled = {"fracture", "liquid", "heat", "life"};
 
 class Parser {
  public:
@@ -42,6 +46,7 @@ class Parser {
     }
     section_ = "the table";
     if (table_.verbs.empty() || table_.directions.empty() || table_.strengths.empty() || table_.intensifiers.empty() ||
+        table_.regions.empty() || table_.materials.empty() || table_.phrases.empty() ||
         std::any_of(table_.small.begin(), table_.small.end(), [](const auto& words) { return words.empty(); }))
       fail("lacks a section or a kind of small word");
     return std::move(table_);
@@ -65,6 +70,15 @@ class Parser {
       for (const std::string& word : words) add_once(table_.strengths, word, factor_of(entry[0]));
     } else if (section_ == "[intensifiers]") {
       for (const std::string& word : words) add_once(table_.intensifiers, word, factor_of(entry[0]));
+    } else if (section_ == "[regions]") {
+      const int region = 1 + static_cast<int>(index_in(kRegions, entry[0]));
+      for (const std::string& word : words) add_once(table_.regions, word, static_cast<Region>(region));
+    } else if (section_ == "[materials]") {
+      const std::optional<int> label = find_label(entry[0]);
+      if (!label) fail("does not know \"" + entry[0] + "\"");
+      for (const std::string& word : words) add_once(table_.materials, word, *label);
+    } else if (section_ == "[phrases]") {
+      table_.phrases.emplace_back(words, entry[0]);
     } else if (section_ == "[small words]") {
       std::set<std::string>& kind = table_.small[index_in(kSmallWords, entry[0])];
       for (const std::string& word : words) {
@@ -94,9 +108,12 @@ class Parser {
   }
 
   Meaning meaning_of(const std::string& name) const {
-    if (name == "gravity") return {Meaning::Kind::gravity, {}};
-    if (name == "outcome") return {Meaning::Kind::outcome, {}};
-    return {Meaning::Kind::action, action_of(name)};
+    if (name == "gravity") return {Meaning::Kind::gravity, {}, false, ""};
+    if (name == "outcome") return {Meaning::Kind::outcome, {}, false, ""};
+    if (name == "tip") return {Meaning::Kind::action, ActionType::torque, true, ""};
+    if (std::find(kNotModelled.begin(), kNotModelled.end(), name) != kNotModelled.end())
+      return {Meaning::Kind::not_modelled, {}, false, name};
+    return {Meaning::Kind::action, action_of(name), false, ""};
   }
 
   ActionType action_of(const std::string& name) const {

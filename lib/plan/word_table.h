@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "plan/vocabulary.h"
 
@@ -21,15 +23,21 @@ enum class SmallWord {
   clause_end,
   wind,
   external,
+  tool,
+  whole,
   ground,
   filler
 };
-constexpr int kSmallWordCount = 11;
+constexpr int kSmallWordCount = 13;
 
 struct WordTable {
   std::map<std::string, Verb> verbs;  // by every form
   std::map<std::string, DirectionWord> directions;
   std::map<std::string, double> strengths, intensifiers;
+  std::map<std::string, Region> regions;
+  std::map<std::string, int> materials;  // indices into kLabels
+  std::vector<std::pair<std::vector<std::string>, std::string>>
+      phrases;  // several words, and the one that they are read as
   std::array<std::set<std::string>, kSmallWordCount> small;
 };
 

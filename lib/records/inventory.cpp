@@ -98,6 +98,7 @@ Inventory load_inventory(const std::string& path) {
     row.name = json.at("name").get<std::string>();
     row.structural_role = json.value("structural_role", "");
     row.physics_group = json.value("physics_group", "");
+    row.named_by_prompt = json.value("named_by", "") == "prompt";
     row.expected_labels = json.value("expected_labels", std::vector<std::string>());
     row.evidence_refs = json.value("evidence_refs", std::vector<std::string>());
     row.residual = json.value("residual", false);
@@ -141,6 +142,7 @@ void save_inventory(const std::string& path, const Inventory& inventory, const s
     entry["name"] = row.name;
     entry["structural_role"] = row.structural_role;
     entry["physics_group"] = row.physics_group;
+    if (row.named_by_prompt) entry["named_by"] = "prompt";
     entry["expected_labels"] = row.expected_labels;
     entry["evidence_refs"] = row.evidence_refs;
     entry["residual"] = row.residual;

@@ -41,6 +41,7 @@ struct InventoryRow {
   std::vector<std::string> expected_labels;  // as authored; not yet canonical
   std::vector<std::string> evidence_refs;
   bool residual = false;
+  bool named_by_prompt = false;  // its name was read off the prompt: nobody chose its words to describe a material
   AppearanceHints hints;
   std::string key() const { return object + "/" + part; }
 };

@@ -114,6 +114,17 @@ Json to_json(const std::vector<VlmRecord>& answers) {
   return json;
 }
 
+void share_with_only_row(MaterialRecords& records, const Inventory& inventory) {
+  int only = -1;
+  for (size_t r = 0; r < inventory.rows.size(); ++r) {
+    if (!records.rows[r].crops.empty() || !records.rows[r].vlm.empty()) return;
+    if (inventory.rows[r].residual) continue;
+    if (only >= 0) return;
+    only = static_cast<int>(r);
+  }
+  if (only >= 0 && records.whole_object) records.rows[only].crops = records.whole_object->crops;
+}
+
 void append_records(MaterialRecords& records, const MaterialRecords& more) {
   records.rows.resize(std::max(records.rows.size(), more.rows.size()));
   for (size_t r = 0; r < more.rows.size(); ++r) {

@@ -49,6 +49,10 @@ struct MaterialRecords {
 // code 3).
 MaterialRecords load_material_records(const std::string& path, const Inventory& inventory);
 
+// What is known of the whole object is known of its only part: where the records name no row and the inventory has one
+// semantic row, that row takes the crops of the whole object.
+void share_with_only_row(MaterialRecords& records, const Inventory& inventory);
+
 // The observations as the record writes them.
 Json to_json(const std::vector<CropRecord>& crops);
 Json to_json(const std::vector<VlmRecord>& answers);

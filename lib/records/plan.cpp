@@ -50,6 +50,15 @@ Plan load_plan(const std::string& path, const Inventory& inventory) {
   plan.prompt = document.at("prompt").get<std::string>();
   plan.resolved = document.at("resolved").get<bool>();
   plan.actions = actions_from(document.at("actions"), inventory, path);
+  for (const Json& json : document.value("materials", Json::array())) {
+    const std::string target = json.at("target").get<std::string>();
+    if (resolve_rows(inventory, target).empty()) {
+      throw invalid_field(path, "/materials/" + std::to_string(plan.materials.size()) + "/target", target,
+                          "an object id or a row key of the inventory");
+    }
+    plan.materials.push_back(
+        {target, *find_label(json.at("label").get<std::string>()), json.at("word").get<std::string>()});
+  }
   plan.proposal = document.at("proposal");
   plan.corrections = document.at("corrections").get<std::vector<std::string>>();
   plan.omitted = omissions_from(document);
@@ -75,6 +84,11 @@ void save_plan(const std::string& path, const Plan& plan, const Provenance& prov
     if (action.slab) entry["region"] = "slab";
     if (action.follow != Follow::none) entry["follow"] = kFollowNames[static_cast<int>(action.follow)];
     json["actions"].push_back(entry);
+  }
+  if (!plan.materials.empty()) json["materials"] = Json::array();
+  for (const PlanMaterial& material : plan.materials) {
+    json["materials"].push_back(
+        {{"target", material.target}, {"label", kLabels[material.label].name}, {"word", material.word}});
   }
   json["proposal"] = plan.proposal;
   json["corrections"] = plan.corrections;

@@ -8,6 +8,7 @@
 #include "records/actions.h"
 #include "records/inventory.h"
 #include "records/json.h"
+#include "records/labels.h"
 
 namespace physmas {
 
@@ -24,10 +25,18 @@ struct PlanAction {
   Follow follow = Follow::none;  // drag_pair
 };
 
+// What the prompt says that a thing is made of.
+struct PlanMaterial {
+  std::string target;  // object id (all its rows) or row key
+  int label = 0;       // index into kLabels
+  std::string word;    // the word that says so
+};
+
 struct Plan {
   std::string prompt;
   bool resolved = false;
   std::vector<PlanAction> actions;
+  std::vector<PlanMaterial> materials;
   Json proposal = Json::object();
   std::vector<std::string> corrections;
   std::vector<Omission> omitted;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <set>
 
+#include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "records/json.h"
@@ -48,6 +49,18 @@ Json resolve_run(const Json& document, const std::string& path, const std::strin
   return run;
 }
 
+void check_prompt(const std::string& prompt, const std::string& source) {
+  const char* example = "for example \"it falls onto the floor\"";
+  if (prompt.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw invalid_input({source, "", "a blank prompt", "a description of the motion", example});
+  const long length = utf8_length(prompt);
+  if (length < 0) throw invalid_input({source, "", "a prompt that is no UTF-8", "text in UTF-8"});
+  if (length > kMaxPrompt) {
+    throw invalid_input({source, "", fmt::format("a prompt of {} characters", length),
+                         fmt::format("at most {}", kMaxPrompt), "say what moves, and how"});
+  }
+}
+
 Scene load_scene(const std::string& path, const SceneNeeds& needs) {
   const Json document = load_record(path, "scene");
   Scene scene;
@@ -68,6 +81,7 @@ Scene load_scene(const std::string& path, const SceneNeeds& needs) {
   scene.gaussians = resolve_field(document, "gaussians", scene.root, path);
   scene.inventory = resolve_field(document, "inventory", scene.root, path);
   scene.masks = resolve_field(document, "masks", scene.root, path);
+  scene.materials = resolve_field(document, "materials", scene.root, path);
   const Json views = document.value("views", Json::array());
   std::set<std::string> names;
   for (size_t i = 0; i < views.size(); ++i) {
@@ -119,6 +133,7 @@ void save_scene(const std::string& path, const Scene& scene, const Provenance& p
   for (const Camera& camera : scene.output_cameras) json["output_cameras"].push_back(to_json(camera));
   if (!scene.inventory.empty()) json["inventory"] = relative_in(scene.inventory, root);
   if (!scene.masks.empty()) json["masks"] = relative_in(scene.masks, root);
+  if (!scene.materials.empty()) json["materials"] = relative_in(scene.materials, root);
   json["run"] = to_json(scene.run);
   save_record(path, "scene", provenance, json);
 }

@@ -32,6 +32,7 @@ struct Scene {
   std::vector<Camera> output_cameras;
   std::string inventory;  // authored, or empty
   std::string masks;      // authored masks folder, or empty
+  std::string materials;  // material records that came with the file (a PhysGaussian configuration), or empty
   RunSpecification run;
 
   // The camera of output frame t: cameras are one for all frames, or one per frame.
@@ -47,6 +48,11 @@ struct SceneNeeds {
   bool views = false;
   bool output_cameras = false;
 };
+
+// A motion prompt: at most this many characters of UTF-8, not all blank. source: where it stands ("--prompt" or a file) for
+// the Error (exit code 3).
+constexpr long kMaxPrompt = 2000;
+void check_prompt(const std::string& prompt, const std::string& source);
 
 // Reads and validates scene.json or a slice. All paths must stay inside the bundle's folder. Files that a slice
 // lists with their SHA-256 must still have it.

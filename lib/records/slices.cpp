@@ -119,6 +119,10 @@ void write_slices(const std::string& scene_path, const Json& overrides, const st
       slice["masks"] = document.at("masks");
       for (const std::string& file : files_below(scene.masks, root)) add_file(file);
     }
+    if (content.stage == kMaterial && document.contains("materials")) {
+      slice["materials"] = document.at("materials");
+      add_file(document.at("materials").get<std::string>());
+    }
     if (!files.empty()) slice["files"] = files;
     slice["run"] = run_part(specification, content);
     Provenance provenance;

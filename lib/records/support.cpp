@@ -29,11 +29,11 @@ const Tokens kEvaluatorCohesive = {"body",    "base", "core", "filling", "cream"
                                    "cushion", "pad",  "foam", "sponge",  "rubber", "gel",      "fruit", "food"};
 
 // Name, physics group and role, then what may follow.
-std::string text_of(const InventoryRow& row) {
-  return match_text({row.name, row.physics_group, row.structural_role});
+RowText text_of(const InventoryRow& row) {
+  return row_text(row, {row.name, row.physics_group, row.structural_role});
 }
-std::string text_of(const InventoryRow& row, int label) {
-  return match_text({row.name, row.physics_group, row.structural_role, kLabels[label].name});
+RowText text_of(const InventoryRow& row, int label) {
+  return row_text(row, {row.name, row.physics_group, row.structural_role, kLabels[label].name});
 }
 
 // What both cohesion predicates say where no token decides.
@@ -51,7 +51,7 @@ bool guard_structural(const InventoryRow& row) {
 }
 
 bool construction_support(const InventoryRow& row, int label) {
-  const std::string text = text_of(row);
+  const RowText text = text_of(row);
   if (contains_any(text, kConstructionSupport)) return true;
   if (contains_any(text, kConstructionSoft)) return false;
   return is_rigid_label(label);
@@ -63,7 +63,7 @@ bool construction_cohesive(const InventoryRow& row, int label) {
 }
 
 bool evaluator_support(const InventoryRow& row, const CandidateRow& candidate) {
-  return contains_any(match_text({row.name}), kEvaluatorSupport) || is_rigid_label(candidate.label);
+  return contains_any(row_text(row, {row.name}), kEvaluatorSupport) || is_rigid_label(candidate.label);
 }
 
 bool evaluator_cohesive(const InventoryRow& row, const CandidateRow& candidate) {

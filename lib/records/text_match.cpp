@@ -17,9 +17,21 @@ std::string match_text(std::initializer_list<std::string> fields) {
   return text;
 }
 
-bool contains_any(const std::string& text, const std::vector<const char*>& tokens) {
-  return std::any_of(tokens.begin(), tokens.end(),
-                     [&](const char* token) { return text.find(token) != std::string::npos; });
+RowText row_text(const InventoryRow& row, std::initializer_list<std::string> fields) {
+  RowText result = {match_text(fields), row.named_by_prompt};
+  if (!result.whole_words) return result;
+  for (char& c : result.text) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = ' ';
+  }
+  result.text = " " + result.text + " ";
+  return result;
+}
+
+bool contains_any(const RowText& text, const std::vector<const char*>& tokens) {
+  return std::any_of(tokens.begin(), tokens.end(), [&](const char* token) {
+    const std::string sought = text.whole_words ? " " + std::string(token) + " " : token;
+    return text.text.find(sought) != std::string::npos;
+  });
 }
 
 std::set<std::string> words_of(const std::string& text) {

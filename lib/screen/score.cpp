@@ -46,7 +46,7 @@ void score_video(ScreenedCandidate& screened, const RenderRecord& render, const 
 }
 
 double role_score(const InventoryRow& part, const CandidateRow& row) {
-  const std::string name = match_text({part.name});
+  const RowText name = row_text(part, {part.name});
   if (contains_any(name, {"head", "blade", "tip", "plate", "support", "stand", "tray", "dish", "shell", "frame"}))
     return row.E >= 1e6 && row.branch == Branch::metal ? 1 : 0.35;
   if (contains_any(name, {"rubber", "sole", "tire", "wheel", "foam", "cushion"})) return row.E <= 1e8 ? 1 : 0.5;
@@ -60,7 +60,7 @@ double density_score(const CandidateRow& row) {
 
 // The solver lookup of a row with C-hat = 1.
 double solver_score(const InventoryRow& part, const CandidateRow& row) {
-  if (row.label == kPlasticine && contains_any(match_text({part.name}), {"clay", "putty", "plasticine", "dough"}))
+  if (row.label == kPlasticine && contains_any(row_text(part, {part.name}), {"clay", "putty", "plasticine", "dough"}))
     return row.branch == Branch::plasticine ? 1 : 0.7;
   if (row.branch == Branch::jelly) return 1;
   return row.branch == Branch::foam || row.branch == Branch::plasticine ? 0.55 : 0.7;

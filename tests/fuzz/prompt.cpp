@@ -32,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string prompt(reinterpret_cast<const char*>(data), size);
   guard([&] {
     plan::proposal_of(plan::read_prompt(prompt, plan::nouns_of(inventory)));
-    Inventory own = plan::inventory_from_prompt(prompt);
+    Inventory own = plan::inventory_from_prompt(prompt, "scene");
     plan::complete_inventory(own, {"front"}, "prompt");
   });
   guard([&] { plan::plan_from_prompt(prompt, inventory, geometry, RunSpecification(), "scene.json"); });

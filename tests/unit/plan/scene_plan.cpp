@@ -120,7 +120,16 @@ TEST_CASE("ground: prompts and what they compile to") {
       {"the sunflower sways in the wind", "impulse >sunflower right*"},
       {"the hammer's head is nudged up", "impulse >hammer/head up*"},
       {"the ball falls onto the floor and bounces", ""},
-      {"the cake topples", ""},
+      {"the cake topples", "torque >cake away"},
+      {"knock over the ball to the left", "torque >ball toward"},
+      {"the ball rolls over the cake", "translation ball>cake right*"},
+      {"throw the ball into the air", "translation >ball up"},
+      {"pull the cake apart", "scale >cake right"},
+      {"the cake shatters", ""},
+      {"a weight is dropped on the cake", "top_press >cake down"},
+      {"the sunflower springs back", ""},
+      {"turn the ball into snow", ""},
+      {"gravity is turned off", ""},
       {"let the hammer fall", ""},
       {"the ball does not roll", ""},
       {"a quiet scene", ""},
@@ -233,8 +242,8 @@ TEST_CASE("ground: strengths, speeds and times stay within bounds and are said")
   CHECK(plan_of("push the ball to the left for 100 s").actions[0].end == doctest::Approx(run.time.duration()));
   const Plan kick = plan_of("kick the ball to the left");
   CHECK(kick.actions[0].end - kick.actions[0].start == doctest::Approx(4 * run.time.substep_dt));
-  const Plan sequence = plan_of("press the cake, then push the ball to the left");
-  CHECK(sequence.actions[1].start == doctest::Approx(sequence.actions[0].end));
+  const Plan turn = plan_of("turn the ball by 90 degrees");
+  CHECK(turn.actions[0].magnitude * (turn.actions[0].end - turn.actions[0].start) == doctest::Approx(1.5707963));
 }
 
 TEST_CASE("ground: a mover is driven over the gap and a quarter of the target's depth") {
@@ -265,14 +274,21 @@ TEST_CASE("ground: the inventory without an author comes from the prompt's noun"
       {"the guitar falls onto the floor", "guitar"},
       {"Press the cake", "cake"},
       {"an old acoustic guitar is dropped", "old-acoustic-guitar"},
-      {"falls", "object"},
+      {"falls", "my-scan"},
       {"a hand presses the cake", "cake"},
-      {"it falls", "object"},
-      {"the head of the statue is pushed to the left", "statue-head"}};
+      {"it falls", "my-scan"},
+      {"the head of the statue is pushed to the left", "statue"},
+      {"a hammer hits the figure", "figure"},
+      {"a hammer falls", "hammer"},
+      {"two hands stretch the dough", "dough"},
+      {"A ficus in a pot: its leaves move in the wind", "ficus"},
+      {"a rubber bear bouncing on a surface", "bear"},
+      {"someone presses the object", "my-scan"},
+      {"Der Ball faellt auf den Boden", "my-scan"}};
   for (const auto& entry : kTable) {
     const auto &prompt = entry.first, &id = entry.second;
     CAPTURE(prompt);
-    Inventory inventory = inventory_from_prompt(prompt);
+    Inventory inventory = inventory_from_prompt(prompt, "my-scan");
     CHECK(inventory.objects[0].id == id);
     complete_inventory(inventory, {"front", "right"}, "");
     REQUIRE(inventory.rows.size() == 2);
