@@ -22,6 +22,7 @@
 #include "splat/depth_picture.h"
 #include "splat/foreground.h"
 #include "splat/frame_files.h"
+#include "splat/own_frame.h"
 #include "splat/quantize.h"
 #include "splat/renderer.h"
 #include "splat/rollout_frames.h"
@@ -120,6 +121,7 @@ int render(const Options& options) {
   }
   const Stopwatch endpoint_watch;
   record.endpoints = splat::measure_endpoints(renderer, gaussians, rollout, scene, render_options, record.frames);
+  record.own_frame = splat::measure_own_frame(renderer, gaussians, rollout, scene, state, render_options, record);
   render_seconds += endpoint_watch.seconds();
   // Pictures of an earlier run would belong to another rollout.
   for (const splat::FrameFiles& files : {png, depth, ply}) {

@@ -130,6 +130,9 @@ void visit_fields(Run& run, Visitor& v) {
   v.field("rounds", run.screening.rounds, between(1, 3), "", kCandidates);
   v.field("repairs", run.screening.repairs, between(0, 6), "new candidates per repair round", kCandidates);
   v.field("tau", run.screening.tau, {}, "acceptance threshold of Q");
+  v.field("excuse_rotation", run.screening.excuse_rotation, {},
+          "what fails spread or flattening in the image passes where it holds in the objects' own frame; false: image "
+          "boxes alone, as the paper writes it");
   v.field("dark_luminance", run.screening.dark_luminance, kUnit,
           "a foreground pixel below this Rec. 709 luminance is dark", kRender);
   v.field("weights", run.screening.weights, {},

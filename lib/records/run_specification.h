@@ -93,6 +93,7 @@ struct RunSpecification {
     int rounds = 3;
     int repairs = 3;
     double tau = 0.72;
+    bool excuse_rotation = true;   // what turned is not flattened; false: image boxes alone, the paper's letter
     double dark_luminance = 0.08;  // Rec. 709 luminance of 8-bit sRGB values, 0..1
     // w of Eq. supp-critic: video, part confidence, diversity, role, base, density, solver.
     std::array<double, 7> weights = {1, 0.27, 0.10, 0.25, 0.15, 0.08, 0.15};

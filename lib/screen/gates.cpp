@@ -34,9 +34,15 @@ Gate numerical_gate(const ExecutionRecord& execution) {
 Gate spread_gate(const Endpoints& endpoints) {
   Gate gate{"spread", true, nullptr, {{"area_growth_at_most", kSpreadLimit}}};
   if (!endpoints.valid) return gate;
-  gate.measured = {{"area_growth", endpoints.area_growth}};
+  gate.measured = {{"area_growth", endpoints.image.area_growth}};
+  if (endpoints.own_spread) gate.measured["own_frame"] = {{"area_growth", endpoints.own_spread->area_growth}};
+  if (!endpoints.excuse) gate.limit["excuse_rotation"] = false;
   gate.passed = !endpoints.spread();
   return gate;
+}
+
+Json height_and_width(const ForegroundRatios& ratios) {
+  return {{"height_ratio", ratios.height_ratio}, {"width_ratio", ratios.width_ratio}};
 }
 
 Gate flattening_gate(const Endpoints& endpoints) {
@@ -45,7 +51,9 @@ Gate flattening_gate(const Endpoints& endpoints) {
             nullptr,
             {{"refused_height_ratio_below", kFlatHeight}, {"with_width_ratio_above", kFlatWidth}}};
   if (!endpoints.valid) return gate;
-  gate.measured = {{"height_ratio", endpoints.height_ratio}, {"width_ratio", endpoints.width_ratio}};
+  gate.measured = height_and_width(endpoints.image);
+  if (endpoints.own_flattening) gate.measured["own_frame"] = height_and_width(*endpoints.own_flattening);
+  if (!endpoints.excuse) gate.limit["excuse_rotation"] = false;
   gate.passed = !endpoints.flattened();
   return gate;
 }
@@ -67,7 +75,7 @@ Gate support_gate(const Candidate& candidate, const Inventory& inventory) {
 }  // namespace
 
 void check_gates(ScreenedCandidate& screened, const Executed& executed, const SceneRecords& scene) {
-  const Endpoints endpoints = endpoints_of(executed.render, scene.frames);
+  const Endpoints endpoints = endpoints_of(executed.render, scene);
   screened.gates = {
       plan_gate(scene.plan),  process_gate(executed.execution), numerical_gate(executed.execution),
       spread_gate(endpoints), flattening_gate(endpoints),       support_gate(executed.candidate, scene.inventory)};

@@ -129,7 +129,13 @@ ScreenRecord screen_round(const RoundFiles& files, int round) {
   const Evidence evidence = load_evidence(files.evidence, inventory.row_keys());
   const std::vector<Executed> executed = load_executed(files, round, inventory, provenance);
 
-  const SceneRecords records{inventory, evidence, plan, run.time.frames, run.screening.tau, run.screening.weights};
+  const SceneRecords records{inventory,
+                             evidence,
+                             plan,
+                             run.time.frames,
+                             run.screening.tau,
+                             run.screening.weights,
+                             run.screening.excuse_rotation};
   ScreenRecord record = decide_round(executed, records, round, run.screening.rounds);
   const std::string chosen = record.accepted;
   const auto best =

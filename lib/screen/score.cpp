@@ -13,14 +13,6 @@ namespace {
 constexpr double kPenaltyCap = 0.12, kProjectionPenalty = 0.025, kBondPenalty = 0.035;
 constexpr long kSmallVideo = 4096;  // bytes
 
-// Frame t as the screen sees it: in the first output camera and uncut, where the record has that apart.
-const FrameForeground* find_frame(const RenderRecord& render, int t) {
-  for (const FrameForeground& frame : render.endpoints.empty() ? render.frames : render.endpoints) {
-    if (frame.frame == t) return &frame;
-  }
-  return nullptr;
-}
-
 void score_video(ScreenedCandidate& screened, const RenderRecord& render, const Endpoints& endpoints) {
   const auto add = [&](const char* term, double value) {
     screened.video_terms.emplace_back(term, value);
@@ -38,10 +30,13 @@ void score_video(ScreenedCandidate& screened, const RenderRecord& render, const 
   add("foreground in the first and the last frame", 0.12);
   if (endpoints.spread()) {
     add("foreground area grows above 2.0x", -0.25);
-  } else if (endpoints.area_growth > 1.45) {
+  } else if (endpoints.area_growth() > 1.45) {
     add("foreground area grows above 1.45x", -0.10);
   }
   if (endpoints.flattened()) add("height falls below 0.45x while width exceeds 1.25x", -0.22);
+  if (endpoints.image.spread() && !endpoints.spread()) add("foreground area grows above 2.0x by turning", 0);
+  if (endpoints.image.flattened() && !endpoints.flattened())
+    add("height falls below 0.45x while width exceeds 1.25x by turning", 0);
   if (endpoints.dark_ratio > 0.18) add("dark foreground above 0.18", -0.08);
 }
 
@@ -68,15 +63,19 @@ double solver_score(const InventoryRow& part, const CandidateRow& row) {
 
 }  // namespace
 
-Endpoints endpoints_of(const RenderRecord& render, int frames) {
-  const FrameForeground *first = find_frame(render, 0), *last = find_frame(render, frames - 1);
+Endpoints endpoints_of(const RenderRecord& render, const SceneRecords& scene) {
+  const FrameForeground *first = render.endpoint(0), *last = render.endpoint(scene.frames - 1);
   Endpoints endpoints;
-  endpoints.valid = first != nullptr && last != nullptr && first->present && last->present;
-  if (!endpoints.valid) return endpoints;
-  endpoints.area_growth = static_cast<double>(last->area()) / static_cast<double>(first->area());
-  endpoints.height_ratio = static_cast<double>(last->height()) / first->height();
-  endpoints.width_ratio = static_cast<double>(last->width()) / first->width();
+  const auto image = foreground_ratios(first, last);
+  endpoints.valid = image.has_value();
+  endpoints.excuse = scene.excuse_rotation;
+  if (!image) return endpoints;
+  endpoints.image = *image;
   endpoints.dark_ratio = last->dark_ratio;
+  if (render.own_frame) {
+    endpoints.own_spread = foreground_ratios(first, &render.own_frame->turned_back);
+    endpoints.own_flattening = foreground_ratios(first, &render.own_frame->put_back);
+  }
   return endpoints;
 }
 
@@ -89,7 +88,7 @@ void score_candidate(ScreenedCandidate& screened, const Executed& executed, cons
     for (const CandidateRow& row : candidate.rows) sum += score(scene.inventory.rows[row.row], row);
     return sum / count;
   };
-  score_video(screened, executed.render, endpoints_of(executed.render, scene.frames));
+  score_video(screened, executed.render, endpoints_of(executed.render, scene));
   screened.part_confidence =
       mean([&](const InventoryRow&, const CandidateRow& row) { return scene.evidence.rows[row.row].part_confidence; });
   std::set<int> labels;

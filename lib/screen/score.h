@@ -3,6 +3,7 @@
 #define PHYSMAS_SCREEN_SCORE_H
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "records/candidate.h"
@@ -24,6 +25,7 @@ struct SceneRecords {
   int frames = 0;                                                         // T, the rest frame included
   double tau = 0;                                                         // acceptance threshold
   std::array<double, 7> weights = RunSpecification::Screening().weights;  // of the features, in the order of phi
+  bool excuse_rotation = true;  // what is neither spread nor flattened in the objects' own frame passes
 };
 
 // An executed candidate.
@@ -33,24 +35,27 @@ struct Executed {
   RenderRecord render;
 };
 
-// Limits of the spread and flattening gates (paper, "Validity Gate, Ranking, and Tie Rules"); two terms of the score
-// have the same ones.
-constexpr double kSpreadLimit = 2.0;  // foreground-box area, last over first
-constexpr double kFlatHeight = 0.45, kFlatWidth = 1.25;
-
-// First and last foreground boxes: frames 0 and T-1 in the first output camera. Not valid when one of them is missing
-// or empty.
+// First and last foreground: frames 0 and T-1 in the first output camera. Not valid when one of them is missing or
+// empty.
 struct Endpoints {
   bool valid = false;
-  double area_growth = 0;   // last over first, box width x height
-  double height_ratio = 0;  // last over first
-  double width_ratio = 0;
+  ForegroundRatios image;
   double dark_ratio = 0;  // of the last frame
+  // In the objects' own frame, where the record has it and its boxes are not empty. Of spread: every object turned
+  // back; of flattening: also put back.
+  std::optional<ForegroundRatios> own_spread, own_flattening;
+  bool excuse = true;  // what fails in the image passes where both ratios hold in the objects' own frame
 
-  bool spread() const { return area_growth > kSpreadLimit; }
-  bool flattened() const { return height_ratio < kFlatHeight && width_ratio > kFlatWidth; }
+  // Both hold there: what kept its shape may fail in the image, what melts while it falls towards the camera may not.
+  bool excused() const {
+    return excuse && own_spread && own_flattening && !own_spread->spread() && !own_flattening->flattened();
+  }
+  bool spread() const { return image.spread() && !excused(); }
+  bool flattened() const { return image.flattened() && !excused(); }
+  // Of the tiers of the score.
+  double area_growth() const { return image.spread() && excused() ? own_spread->area_growth : image.area_growth; }
 };
-Endpoints endpoints_of(const RenderRecord& render, int frames);
+Endpoints endpoints_of(const RenderRecord& render, const SceneRecords& scene);
 
 // Fills features, video terms, penalty and score.
 void score_candidate(ScreenedCandidate& screened, const Executed& executed, const SceneRecords& scene);

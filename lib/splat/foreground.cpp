@@ -2,76 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
+#include "splat/image_plane.h"
 #include "splat/quantize.h"
 
 namespace physmas::splat {
 namespace {
-
-constexpr int kFarPictures = 16, kNearPictures = 1;  // how far an image plane goes beyond the picture's edges
-constexpr double kPlanePixels = 1 << 24;             // most pixels of a plane; nine pictures are always allowed
-
-// A part of the image plane in pixels of a camera, x1 and y1 exclusive.
-struct Window {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-  bool empty() const { return x0 >= x1 || y0 >= y1; }
-  double pixels() const { return empty() ? 0 : double(x1 - x0) * (y1 - y0); }
-  bool inside(const Window& other) const {
-    return empty() || (x0 >= other.x0 && y0 >= other.y0 && x1 <= other.x1 && y1 <= other.y1);
-  }
-};
-
-Window intersection(const Window& a, const Window& b) {
-  return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
-}
-
-// The picture and `pictures` of its size on each side.
-Window around_picture(const Camera& camera, int pictures) {
-  return {-pictures * camera.width, -pictures * camera.height, (pictures + 1) * camera.width,
-          (pictures + 1) * camera.height};
-}
-
-// The camera whose picture is `window`.
-Camera camera_of(const Camera& camera, const Window& window) {
-  Camera moved = camera;
-  moved.width = window.x1 - window.x0;
-  moved.height = window.y1 - window.y0;
-  moved.cx -= window.x0;
-  moved.cy -= window.y0;
-  return moved;
-}
-
-// What the splats reach of the plane, as far as kFarPictures.
-Window reach_of_splats(const Gaussians& gaussians, const TransportedFrame& frame, const Camera& camera, double near) {
-  const Window far = around_picture(camera, kFarPictures);
-  ProjectionSetup setup;
-  setup.camera = camera_of(camera, far);
-  setup.near = near;
-  double x0 = far.x1, y0 = far.y1, x1 = far.x0, y1 = far.y0;
-  const long n = static_cast<long>(gaussians.size());
-#pragma omp parallel for schedule(static) reduction(min : x0, y0) reduction(max : x1, y1)
-  for (long i = 0; i < n; ++i) {
-    Splat splat;
-    const RestShape rest = rest_shape(gaussians, i);
-    if (project_gaussian(gaussians, i, rest, frame.position(i), frame.F(i), setup, &splat) != Projection::drawn)
-      continue;
-    const double x = splat.x + far.x0, y = splat.y + far.y0;
-    x0 = std::min(x0, x - splat.half_x), x1 = std::max(x1, x + splat.half_x);
-    y0 = std::min(y0, y - splat.half_y), y1 = std::max(y1, y + splat.half_y);
-  }
-  if (x0 >= x1) return {};
-  return {static_cast<int>(std::floor(std::max<double>(x0, far.x0))),
-          static_cast<int>(std::floor(std::max<double>(y0, far.y0))),
-          static_cast<int>(std::ceil(std::min<double>(x1, far.x1))),
-          static_cast<int>(std::ceil(std::min<double>(y1, far.y1)))};
-}
-
-// The window with its edges at tiles of the picture, so that a pixel is blended as there.
-Window at_tiles(const Window& window) {
-  const auto down = [](int v) { return (v >= 0 ? v : v - kTileSize + 1) / kTileSize * kTileSize; };
-  return {down(window.x0), down(window.y0), down(window.x1 + kTileSize - 1), down(window.y1 + kTileSize - 1)};
-}
 
 const FrameForeground* find_frame(const std::vector<FrameForeground>& frames, int t) {
   const auto found = std::find_if(frames.begin(), frames.end(), [&](const FrameForeground& f) { return f.frame == t; });
@@ -79,8 +15,20 @@ const FrameForeground* find_frame(const std::vector<FrameForeground>& frames, in
 }
 
 bool same_measure(const FrameForeground& a, const FrameForeground& b) {
-  if (a.present != b.present) return false;
+  if (a.present != b.present || a.behind != b.behind) return false;
   return !a.present || (a.x0 == b.x0 && a.y0 == b.y0 && a.x1 == b.x1 && a.y1 == b.y1 && a.dark_ratio == b.dark_ratio);
+}
+
+// The box with what went behind the camera in it.
+void take_in(FrameForeground& foreground, const Behind& behind) {
+  if (behind.count == 0) return;
+  const Window& w = behind.window;
+  const Window box = foreground.present ? Window{std::min(foreground.x0, w.x0), std::min(foreground.y0, w.y0),
+                                                 std::max(foreground.x1, w.x1), std::max(foreground.y1, w.y1)}
+                                        : w;
+  foreground.present = true;
+  foreground.x0 = box.x0, foreground.y0 = box.y0, foreground.x1 = box.x1, foreground.y1 = box.y1;
+  foreground.behind = behind.count;
 }
 
 bool same_view(const Camera& a, const Camera& b) {
@@ -112,6 +60,21 @@ FrameForeground measure_foreground(const RenderedImage& image, const Image& quan
   return result;
 }
 
+FrameForeground measure_on_plane(Renderer& renderer, const TransportedFrame& frame, int t, const Camera& camera,
+                                 const Window& window, const RenderOptions& options, double dark_luminance) {
+  FrameForeground measured;
+  measured.frame = t;
+  if (window.empty()) return measured;
+  RenderOptions plane_options = options;
+  plane_options.depth = plane_options.label = false;
+  const Window plane = at_tiles(window);
+  const RenderedImage& image = renderer.render(camera_of(camera, plane), frame.deformation(), plane_options);
+  measured = measure_foreground(image, quantize(image), t, dark_luminance);
+  measured.x0 += plane.x0, measured.x1 += plane.x0;
+  measured.y0 += plane.y0, measured.y1 += plane.y0;
+  return measured;
+}
+
 std::vector<FrameForeground> measure_endpoints(Renderer& renderer, const Gaussians& gaussians,
                                                const RolloutFrames& rollout, const Scene& scene,
                                                const RenderOptions& options,
@@ -125,32 +88,23 @@ std::vector<FrameForeground> measure_endpoints(Renderer& renderer, const Gaussia
     if (find_frame(pictures, frames[k]) == nullptr) return {};
     windows[k] = reach_of_splats(gaussians, rollout.frame(frames[k]), camera, near);
   }
-  const double most = std::max(kPlanePixels, 9 * picture.pixels());
-  if (windows[0].pixels() > most || windows[1].pixels() > most) {
+  bool cut_near = false;
+  for (const Window& window : windows) cut_near = cut_near || too_large(window, picture);
+  if (cut_near) {
     for (Window& window : windows) window = intersection(window, around_picture(camera, kNearPictures));
   }
 
-  RenderOptions plane_options = options;
-  plane_options.depth = plane_options.label = false;
   std::vector<FrameForeground> endpoints;
   bool same = true;
   for (size_t k = 0; k < 2; ++k) {
     const int t = frames[k];
     const FrameForeground& shown = *find_frame(pictures, t);
-    if (windows[k].inside(picture) && same_view(scene.output_camera(t), camera)) {
-      endpoints.push_back(shown);
-      continue;
+    FrameForeground measured = shown;
+    if (!windows[k].inside(picture) || !same_view(scene.output_camera(t), camera)) {
+      measured = measure_on_plane(renderer, rollout.frame(t), t, camera, windows[k], options,
+                                  scene.run.screening.dark_luminance);
     }
-    FrameForeground measured;
-    measured.frame = t;
-    if (!windows[k].empty()) {
-      const TransportedFrame frame = rollout.frame(t);
-      const Window plane = at_tiles(windows[k]);
-      const RenderedImage& image = renderer.render(camera_of(camera, plane), frame.deformation(), plane_options);
-      measured = measure_foreground(image, quantize(image), t, scene.run.screening.dark_luminance);
-      measured.x0 += plane.x0, measured.x1 += plane.x0;
-      measured.y0 += plane.y0, measured.y1 += plane.y0;
-    }
+    if (k == 1) take_in(measured, went_behind(gaussians, rollout.frame(0), rollout.frame(t), camera, near));
     same = same && same_measure(measured, shown);
     endpoints.push_back(measured);
   }

@@ -3,6 +3,8 @@
 #define PHYSMAS_SPLAT_ROLLOUT_FRAMES_H
 
 #include <string>
+#include <utility>
+#include <vector>
 #include <vector>
 
 #include "records/rollout.h"
@@ -16,6 +18,9 @@ namespace physmas::splat {
 class TransportedFrame {
  public:
   TransportedFrame(const RolloutFrame& frame, const SolverMap& map);
+  // position: [N_G] scene space; F: [N_G].
+  TransportedFrame(std::vector<Eigen::Vector3f> position, std::vector<RowMatrix3f> F)
+      : position_(std::move(position)), F_(std::move(F)) {}
   // Views of this object's arrays: it must outlive the use.
   Deformation deformation() const { return {position_.data(), F_.data()}; }
   const Eigen::Vector3f& position(size_t i) const { return position_[i]; }

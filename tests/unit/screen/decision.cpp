@@ -52,7 +52,12 @@ struct Bench {
     executed.render.frames = {
         {0, true, 0, 0, 100, 100, 0.0}, {1, true, 0, 0, 9, 9, 0.0}, {2, true, 0, 0, 100, 100, 0.0}};
   }
-  SceneRecords scene() const { return {inventory, evidence, plan, kFrames, tau}; }
+  bool excuse_rotation = true;
+  SceneRecords scene() const {
+    SceneRecords records{inventory, evidence, plan, kFrames, tau};
+    records.excuse_rotation = excuse_rotation;
+    return records;
+  }
   void last(int width, int height, double dark = 0) {
     executed.render.frames[2] = {2, true, 0, 0, width, height, dark};
   }
@@ -119,6 +124,58 @@ TEST_CASE("screen: video feature tiers are exclusive and strict") {
   bench.executed.render.frames.pop_back();
   CHECK(video() == Approx(0.20));
   CHECK(bench.screened().valid);
+}
+
+TEST_CASE("screen: what turned is not flattened, and its score is not lowered for it") {
+  Bench bench;
+  const auto gate = [&](const char* name) { return gate_passed(bench.screened(), name); };
+  bench.last(220, 44);
+  CHECK_FALSE(gate("flattening"));
+  bench.last(300, 100);
+  CHECK_FALSE(gate("spread"));
+  // Toppled: in its own frame it is what it was.
+  bench.last(260, 44);
+  OwnFrame own;
+  own.turned_back = own.put_back = {2, true, 0, 0, 100, 100, 0.0};
+  bench.executed.render.own_frame = own;
+  CHECK(gate("flattening"));
+  CHECK(bench.screened().video == Approx(0.32));
+  CHECK(bench.screened().video_terms.back().first.find("by turning") != std::string::npos);
+  bench.last(300, 100);
+  CHECK(gate("spread"));
+  CHECK(bench.screened().video == Approx(0.32));
+  // The milder tier of the score follows the own frame where that excuses.
+  bench.executed.render.own_frame->turned_back = {2, true, 0, 0, 150, 100, 0.0};
+  CHECK(gate("spread"));
+  CHECK(bench.screened().video == Approx(0.22));
+  // Both must hold: what melts while it comes near may keep its height in the image.
+  bench.executed.render.own_frame->turned_back = {2, true, 0, 0, 201, 100, 0.0};
+  CHECK_FALSE(gate("spread"));
+  CHECK(bench.screened().video == Approx(0.07));
+  bench.last(260, 44);
+  CHECK_FALSE(gate("flattening"));
+  bench.executed.render.own_frame = own;
+  CHECK(gate("flattening"));
+  bench.executed.render.own_frame->put_back = {2, true, 0, 0, 130, 40, 0.0};
+  CHECK_FALSE(gate("flattening"));
+  bench.last(300, 100);
+  CHECK_FALSE(gate("spread"));
+  bench.last(260, 44);
+  // Nothing to see in the own frame excuses nothing.
+  bench.executed.render.own_frame->put_back.present = false;
+  CHECK_FALSE(gate("flattening"));
+  // The paper's letter; both pairs are recorded all the same.
+  bench.executed.render.own_frame = own;
+  CHECK(gate("flattening"));
+  bench.excuse_rotation = false;
+  const ScreenedCandidate s = bench.screened();
+  CHECK_FALSE(gate_passed(s, "flattening"));
+  CHECK(s.video == Approx(0.10));
+  const Json flattening = s.gates[4].measured;
+  CHECK(flattening.at("height_ratio").get<double>() == Approx(0.44));
+  CHECK(flattening.at("own_frame").at("height_ratio").get<double>() == Approx(1));
+  CHECK(s.gates[4].limit.at("excuse_rotation") == false);
+  CHECK(bench.screened().gates[3].measured.at("own_frame").at("area_growth").get<double>() == Approx(1));
 }
 
 TEST_CASE("screen: role, density and solver lookups") {

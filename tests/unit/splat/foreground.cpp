@@ -6,65 +6,16 @@
 #include <cmath>
 
 #include "splat/quantize.h"
-#include "unit/splat/scenes.h"
-#include "unit/temporary_folder.h"
+#include "unit/splat/motion.h"
 
 using namespace physmas;
 using namespace physmas::splat;
+using splat_test::balls;
+using splat_test::kHeight;
+using splat_test::kWidth;
+using splat_test::Motion;
 
 namespace {
-
-// Opaque balls around the origin, all grey.
-Gaussians balls(const std::vector<Eigen::Vector3f>& places, float grey = 0.6f) {
-  Gaussians g = splat_test::one_gaussian(0.1f, 0.95f, grey);
-  g.position = places;
-  g.rotation.resize(places.size(), g.rotation[0]);
-  g.log_scale.resize(places.size(), g.log_scale[0]);
-  g.opacity_logit.resize(places.size(), g.opacity_logit[0]);
-  g.sh.resize(places.size(), g.sh[0]);
-  return g;
-}
-
-constexpr int kWidth = 100, kHeight = 80;
-
-// Two frames: at rest, and with every ball moved.
-struct Motion {
-  explicit Motion(const Gaussians& g, const std::vector<Eigen::Vector3f>& moved) : gaussians(g), renderer(gaussians) {
-    scene.output_cameras = {splat_test::front_camera(kWidth, kHeight)};
-    scene.run.time.frames = 2;
-    state.gaussian_row.assign(g.size(), 0);
-    Provenance provenance;
-    provenance.tool = "test";
-    RolloutWriter out(folder / "r.h5", g.size(), "elastic", provenance);
-    for (int t = 0; t < 2; ++t) {
-      std::vector<float> x, F, v(3 * g.size(), 0);
-      for (size_t i = 0; i < g.size(); ++i) {
-        const Eigen::Vector3f p = t == 0 ? g.position[i] : moved[i];
-        x.insert(x.end(), p.data(), p.data() + 3);
-        for (int k = 0; k < 9; ++k) F.push_back(k % 4 == 0 ? 1 : 0);
-      }
-      out.append(0.04 * t, x.data(), F.data(), v.data());
-    }
-    out.commit();
-  }
-  // What the video's frame t shows.
-  FrameForeground picture(int t) {
-    const RolloutFrames rollout(folder / "r.h5", state);
-    const TransportedFrame frame = rollout.frame(t);
-    const RenderedImage& image = renderer.render(scene.output_camera(t), frame.deformation(), {});
-    return measure_foreground(image, quantize(image), t, scene.run.screening.dark_luminance);
-  }
-  std::vector<FrameForeground> endpoints() {
-    const RolloutFrames rollout(folder / "r.h5", state);
-    return measure_endpoints(renderer, gaussians, rollout, scene, {}, {picture(0), picture(1)});
-  }
-
-  TemporaryFolder folder;
-  Gaussians gaussians;
-  Renderer renderer;
-  Scene scene;
-  State state;  // the identity map
-};
 
 // A ball in the middle of the picture, and one moved by `dx` to the right or `dy` up.
 Motion one_ball(float dx, float dy) {
@@ -182,4 +133,28 @@ TEST_CASE("splat: endpoints need both pictures, and a scene far wider than its p
   const std::vector<FrameForeground> found = wide.endpoints();
   CHECK(found.empty());  // neither the picture nor the plane shows anything
   CHECK_FALSE(wide.picture(1).present);
+}
+
+TEST_CASE("splat: what went behind the camera counts where it left the view") {
+  // The camera stands at z = -4 and looks along z. Of two balls one flies past it on its right.
+  Motion motion(balls({{-0.2f, 0, 0}, {0.2f, 0, 0}}), {{-0.2f, 0, 0}, {0.4f, 0, -5}});
+  const std::vector<FrameForeground> found = motion.endpoints();
+  REQUIRE(found.size() == 2);
+  CHECK(found[0].behind == 0);
+  CHECK(found[1].behind == 1);
+  CHECK(found[1].x0 == motion.picture(1).x0);
+  CHECK(found[1].x1 > kWidth);
+  // Alone, too: a picture that shows nothing is no excuse.
+  Motion alone(balls({{0, 0, 0}}), {{0.4f, 0, -5}});
+  CHECK_FALSE(alone.picture(1).present);
+  REQUIRE(alone.endpoints().size() == 2);
+  CHECK(alone.endpoints()[1].present);
+  CHECK(alone.endpoints()[1].x0 > kWidth);
+  // What was behind it at rest was never seen, and a stray one among thousands says nothing.
+  CHECK(Motion(balls({{0, 0, 0}, {0.4f, 0, -5}}), {{0, 0, 0}, {0.4f, 0, -6}}).endpoints().empty());
+  std::vector<Eigen::Vector3f> many(1500, {0, 0, 0}), moved = many;
+  moved[7] = {0.4f, 0, -5};
+  CHECK(Motion(balls(many), moved).endpoints().empty());
+  moved[8] = moved[7];
+  CHECK(Motion(balls(many), moved).endpoints().size() == 2);
 }
