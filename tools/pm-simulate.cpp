@@ -1,6 +1,7 @@
 // pm-simulate: one candidate -> rollout frames and an execution record.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "base/command_line.h"
@@ -58,26 +59,36 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
 
   const mpm::Problem problem = bind::bind_problem(candidate, state, run, {options.state, options.candidate});
   const std::string rule = options.timestep.empty() ? run.time.rule : options.timestep;
-  const bind::BoundTiming timing = bind::bind_timing(rule, run.time, candidate, options.candidate);
-  const mpm::Options solver = solver_options(options, common, run);
-
   const Provenance provenance = provenance_of(options, rule);
-  bind::RolloutRecorder rollout(options.out, state.gaussian_count(), solver, provenance);
-  Progress progress("frame", timing.timing.frames);
-  const mpm::Result result = mpm::run(problem, timing.timing, solver, [&](const mpm::Frame& frame) {
-    rollout.append(frame);
-    progress.update(frame.index + 1);
-  });
-  rollout.commit();
-  const ExecutionRecord record = bind::execution_record(candidate.id, problem, timing, solver, result);
+  double speed = 0;  // particle-steps/s
+  const auto attempt = [&](const std::string& by, const mpm::Options& solver, bool only_if_stable) {
+    const bind::BoundTiming timing = bind::bind_timing(by, run.time, candidate, options.candidate);
+    bind::RolloutRecorder rollout(options.out, state.gaussian_count(), solver, provenance);
+    Progress progress("frame", timing.timing.frames);
+    const mpm::Result result = mpm::run(problem, timing.timing, solver, [&](const mpm::Frame& frame) {
+      rollout.append(frame);
+      progress.update(frame.index + 1);
+    });
+    if (!only_if_stable || result.status == mpm::Status::stable) rollout.commit();
+    speed = result.particle_steps_per_second;
+    return bind::execution_record(candidate, problem, timing, solver, result);
+  };
+  mpm::Options solver = solver_options(options, common, run);
+  ExecutionRecord record = attempt(rule, solver, false);
+  // An explicit --timestep is what the caller wants to see.
+  if (record.diverged && record.step_rule == "paper" && options.timestep.empty() && run.time.on_divergence == "cfl") {
+    log_warning(fmt::format("{}: {}; once more with time.rule=cfl", candidate.id, record.divergence->advice));
+    mpm::Options retry = solver;
+    retry.max_steps = std::min<long long>(retry.max_steps, run.time.retry_substeps);
+    record = bind::with_retry(record, solver.max_steps, attempt("cfl", retry, true), retry.max_steps);
+  }
   save_execution(fs::path(options.out).replace_extension(".json").string(), record, provenance);
   if (record.diverged) {
-    log_warning(fmt::format("{}: diverged ({})", candidate.id, record.reason));
+    log_warning(fmt::format("{}: {}", candidate.id, record.divergence->advice));
     return static_cast<int>(options.strict ? ExitCode::diverged : ExitCode::done);
   }
   log_info(fmt::format("{}: {} frames, {} substeps of {} particles, {:.1f} million particle-steps per second",
-                       candidate.id, record.frames, record.steps, record.particles,
-                       result.particle_steps_per_second / 1e6));
+                       candidate.id, record.frames, record.steps, record.particles, speed / 1e6));
   return static_cast<int>(ExitCode::done);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/clock.h"
+#include "bind/divergence.h"
 #include "bind/rollout.h"
 #include "bind/vector.h"
 
@@ -94,11 +95,12 @@ Json runtime_of(const mpm::Result& result) {
 
 }  // namespace
 
-ExecutionRecord execution_record(const std::string& candidate, const mpm::Problem& problem, const BoundTiming& timing,
+ExecutionRecord execution_record(const Candidate& candidate, const mpm::Problem& problem, const BoundTiming& timing,
                                  const mpm::Options& options, const mpm::Result& result) {
   ExecutionRecord record;
-  record.candidate = candidate;
+  record.candidate = candidate.id;
   record_status(options, result, record);
+  if (record.diverged) record.divergence = explain_divergence(candidate, problem, timing, options, result);
   record_balances(options, result, record);
   record_steps(timing, result, record);
   record.particles = static_cast<long>(problem.particles.size());
@@ -107,6 +109,28 @@ ExecutionRecord execution_record(const std::string& candidate, const mpm::Proble
   record.deformation = deformation_name(options);
   for (const mpm::Omission& omission : result.omitted) record.omitted.push_back({omission.what, omission.why});
   record.runtime = runtime_of(result);
+  return record;
+}
+
+ExecutionRecord with_retry(const ExecutionRecord& first, long long first_allowed, const ExecutionRecord& second,
+                           long long second_allowed) {
+  ExecutionRecord record = second.diverged ? first : second;
+  const auto add = [&](const ExecutionRecord& r, long long allowed) {
+    record.attempts.push_back({r.step_rule, r.diverged, r.reason, r.frames, r.steps, static_cast<long>(allowed)});
+  };
+  add(first, first_allowed);
+  add(second, second_allowed);
+  if (second.divergence && second.divergence->cause == "budget")
+    record.attempts.back().reason =
+        fmt::format("more than {} substeps, which time.retry_substeps allows", second_allowed);
+  if (second.diverged) {
+    record.divergence->advice =
+        second.divergence->cause == "budget"
+            ? first.divergence->advice +
+                  fmt::format("; by itself it was not tried beyond the {} substeps of time.retry_substeps",
+                              second_allowed)
+            : second.divergence->advice;
+  }
   return record;
 }
 

@@ -6,14 +6,20 @@
 
 #include "bind/timing.h"
 #include "mpm/simulation.h"
+#include "records/candidate.h"
 #include "records/execution.h"
 
 namespace physmas::bind {
 
 // The record of `candidate` simulated as `problem`. Measures that overflowed are written as 0; the error token says
 // why.
-ExecutionRecord execution_record(const std::string& candidate, const mpm::Problem& problem, const BoundTiming& timing,
+ExecutionRecord execution_record(const Candidate& candidate, const mpm::Problem& problem, const BoundTiming& timing,
                                  const mpm::Options& options, const mpm::Result& result);
+
+// The record of a candidate that diverged and was simulated once more: the second one's where that is stable, else the
+// first one's. Either names both attempts. allowed: substeps.
+ExecutionRecord with_retry(const ExecutionRecord& first, long long first_allowed, const ExecutionRecord& second,
+                           long long second_allowed);
 
 }  // namespace physmas::bind
 

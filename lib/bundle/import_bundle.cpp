@@ -137,6 +137,8 @@ RunSpecification run_for(const ImportOptions& options, Json json, const Gaussian
   if (!options.inventory.empty() && !json.contains("/lifting/occlusion"_json_pointer)) {
     json["lifting"]["occlusion"] = "depth";
   }
+  // A captured scene may have any material; whoever imports one wants a video rather than the paper's step.
+  if (!json.contains("/time/on_divergence"_json_pointer)) json["time"]["on_divergence"] = "cfl";
   RunSpecification run = run_specification_from(json, file, "");
   if (own_colliders) return run;
   const Heights walls = wall_heights(run);

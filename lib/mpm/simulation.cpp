@@ -100,6 +100,7 @@ class Simulation {
   StepReport advance(int frame);
   void count(const StepReport& report);
   bool fail(const char* reason);
+  void find_culprits();
 
   const Problem& problem_;
   const Timing& timing_;
@@ -274,7 +275,33 @@ bool Simulation::fail(const char* reason) {
   result_.status = Status::diverged;
   result_.first_bad_step = result_.steps - 1;
   result_.reason = reason;
+  find_culprits();
   return false;
+}
+
+// Which rows a person should look at.
+void Simulation::find_culprits() {
+  State last = state_;
+  stepper_->store(last);
+  result_.fault_speed = -1;
+  result_.stiffest_limit = std::numeric_limits<double>::infinity();
+  std::vector<bool> seen(setup_.parameters.size(), false);
+  for (size_t i = 0; i < last.v.size(); ++i) {
+    const int row = setup_.row[i];
+    const double squared = dot(last.v[i], last.v[i]);
+    const double speed = std::isfinite(squared) ? std::sqrt(squared) : std::numeric_limits<double>::infinity();
+    if (speed > result_.fault_speed) {
+      result_.fault_speed = speed;
+      result_.fault_row = row;
+    }
+    if (seen[row]) continue;
+    seen[row] = true;
+    const double limit = rest_limit(setup_.parameters[row], setup_.domain.dx());
+    if (limit < result_.stiffest_limit) {
+      result_.stiffest_limit = limit;
+      result_.stiffest_row = row;
+    }
+  }
 }
 
 void Simulation::output(const Balance& b) {

@@ -70,11 +70,17 @@ struct Result {
   // Global substep, counted from 0, in which a fault was found; -1 when stable. Every substep checks every particle, so
   // what explodes is found within some substeps; what is too weak for that, at the next output frame.
   long long first_bad_step = -1;
-  std::string reason;   // "", "nan" (not finite), "speed" (over a cell per substep), "energy" (more than can be there),
-                        // "budget" (more than max_steps), "step" (far above the limit of the material)
-  int frames_done = 0;  // output frames handed out
-  long long steps = 0;  // substeps done
-  double dt = 0;        // s; the mean of the substeps under StepRule::cfl
+  std::string reason;  // "", "nan" (not finite), "speed" (over a cell per substep), "energy" (more than can be there),
+                       // "budget" (more than max_steps), "step" (far above the limit of the material)
+  // Of a diverged run. The row of the particle that is not finite or, when all are, the fastest; -1: not known.
+  int fault_row = -1;
+  double fault_speed = 0;  // m/s of that particle, infinite when it is not finite
+  // The row whose material at rest allows the smallest step, and that step in s (timestep.h, rest_limit).
+  int stiffest_row = -1;
+  double stiffest_limit = 0;
+  int frames_done = 0;            // output frames handed out
+  long long steps = 0;            // substeps done
+  double dt = 0;                  // s; the mean of the substeps under StepRule::cfl
   double max_speed = 0;           // m/s, over all substeps
   StepHistory history;            // the range of steps, and retries; no retries under StepRule::fixed
   double min_J = 1, max_J = 1;    // over output frames

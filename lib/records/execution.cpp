@@ -3,6 +3,46 @@
 #include "records/json.h"
 
 namespace physmas {
+namespace {
+
+Divergence divergence_from(const Json& json) {
+  Divergence d;
+  d.cause = json.at("cause").get<std::string>();
+  d.row = json.at("row").get<std::string>();
+  d.E = json.at("E").get<double>();
+  d.wave_speed = json.at("wave_speed").get<double>();
+  d.dx = json.at("dx").get<double>();
+  d.dt = json.at("dt").get<double>();
+  d.needed_dt = json.at("needed_dt").get<double>();
+  d.frame = json.at("frame").get<int>();
+  d.advice = json.at("advice").get<std::string>();
+  return d;
+}
+
+Json divergence_json(const Divergence& d) {
+  return {{"cause", d.cause},           {"row", d.row},     {"E", d.E},
+          {"wave_speed", d.wave_speed}, {"dx", d.dx},       {"dt", d.dt},
+          {"needed_dt", d.needed_dt},   {"frame", d.frame}, {"advice", d.advice}};
+}
+
+Json attempt_json(const Attempt& a) {
+  return {{"rule", a.rule},      {"status", a.diverged ? "diverged" : "stable"},
+          {"reason", a.reason},  {"frames", a.frames},
+          {"substeps", a.steps}, {"allowed", a.allowed}};
+}
+
+Attempt attempt_from(const Json& json) {
+  Attempt a;
+  a.rule = json.at("rule").get<std::string>();
+  a.diverged = json.at("status") == "diverged";
+  a.reason = json.at("reason").get<std::string>();
+  a.frames = json.at("frames").get<int>();
+  a.steps = json.at("substeps").get<long>();
+  a.allowed = json.at("allowed").get<long>();
+  return a;
+}
+
+}  // namespace
 
 ExecutionRecord load_execution(const std::string& path) {
   const Json document = load_record(path, "execution");
@@ -14,6 +54,9 @@ ExecutionRecord load_execution(const std::string& path) {
   record.diverged = numerical.at("status") == "diverged";
   record.error_tokens = numerical.at("error_tokens").get<std::vector<std::string>>();
   record.reason = numerical.value("reason", "");
+  if (numerical.contains("divergence")) record.divergence = divergence_from(numerical.at("divergence"));
+  for (const Json& attempt : numerical.value("attempts", Json::array()))
+    record.attempts.push_back(attempt_from(attempt));
   if (!numerical.at("first_bad_step").is_null()) record.first_bad_step = numerical.at("first_bad_step").get<long>();
   record.max_speed = numerical.at("max_speed").get<double>();
   if (!numerical.at("J_range").is_null()) {
@@ -65,6 +108,11 @@ void save_execution(const std::string& path, const ExecutionRecord& record, cons
   numerical["status"] = record.diverged ? "diverged" : "stable";
   numerical["error_tokens"] = record.error_tokens;
   numerical["reason"] = record.reason;
+  if (record.divergence) numerical["divergence"] = divergence_json(*record.divergence);
+  if (!record.attempts.empty()) {
+    numerical["attempts"] = Json::array();
+    for (const Attempt& attempt : record.attempts) numerical["attempts"].push_back(attempt_json(attempt));
+  }
   numerical["first_bad_step"] = record.first_bad_step < 0 ? Json() : Json(record.first_bad_step);
   numerical["max_speed"] = record.max_speed;
   const bool measured = record.energy_measured != "off";

@@ -2,6 +2,7 @@
 #ifndef PHYSMAS_RECORDS_EXECUTION_H
 #define PHYSMAS_RECORDS_EXECUTION_H
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,12 +10,37 @@
 
 namespace physmas {
 
+// Why a simulation diverged, for a person.
+struct Divergence {
+  std::string cause;  // step: the substep is too long for `row`; motion: `row` moves faster than the solver follows;
+                      // budget: more substeps are needed than are allowed
+  std::string row;    // key
+  double E = 0;       // Pa
+  double wave_speed = 0;  // m/s: dx over the largest stable step of its material at rest
+  double dx = 0;          // m, edge of a cell
+  double dt = 0;          // s, the substep that was used
+  double needed_dt = 0;   // s: that the time.rule cfl takes for its material at rest
+  int frame = 0;          // the output frame that was not reached
+  std::string advice;     // one sentence: what happened, and what to set
+};
+
+// A simulation before the one whose rollout stands, or after it and in vain (time.on_divergence).
+struct Attempt {
+  std::string rule;  // of the substeps: paper | cfl | fixed
+  bool diverged = false;
+  std::string reason;  // as in the record
+  int frames = 0;
+  long steps = 0, allowed = 0;  // substeps done, and allowed
+};
+
 struct ExecutionRecord {
   std::string candidate;
   int exit = 0, signal = 0;  // how the process ended
   bool diverged = false;
   std::vector<std::string> error_tokens;  // numerical and run-time errors, empty when there were none
   std::string reason;                     // one sentence on the divergence
+  std::optional<Divergence> divergence;   // of a diverged one
+  std::vector<Attempt> attempts;          // all, in order, where there was more than one
   long first_bad_step = -1;               // -1: none
   double max_speed = 0;                   // m/s, solver space
   double J_min = 1, J_max = 1;

@@ -80,6 +80,10 @@ void visit_fields(Run& run, Visitor& v) {
   v.field("max_substeps", run.time.max_substeps, between(1, 1000000), "per output frame");
   v.field("rule", choice(run.time.rule, kTimeRules), {},
           "how pm-simulate steps: as pm-candidates recorded (paper), or as small as stability asks (cfl)");
+  v.field("on_divergence", choice(run.time.on_divergence, kOnDivergence), {},
+          "stop: a diverged candidate is a result; cfl: it is simulated once more with the rule cfl");
+  v.field("retry_substeps", run.time.retry_substeps, between(1, 1000000000),
+          "what that second simulation may take in all; one that needs more is not begun");
 
   v.top();
   v.field("gravity", along_up(run.gravity, run.placement.up_vector()), {},

@@ -31,12 +31,14 @@ struct RunSpecification {
   } placement;
 
   struct Time {
-    int frames = 50;               // T, frame 0 is the rest frame
-    double frame_dt = 0.04;        // s
-    double substep_dt = 2e-4;      // s
-    double min_substep_dt = 5e-5;  // s
-    int max_substeps = 800;        // per output frame
-    std::string rule = "paper";    // paper | cfl: what pm-simulate follows
+    int frames = 50;                     // T, frame 0 is the rest frame
+    double frame_dt = 0.04;              // s
+    double substep_dt = 2e-4;            // s
+    double min_substep_dt = 5e-5;        // s
+    int max_substeps = 800;              // per output frame
+    std::string rule = "paper";          // paper | cfl: what pm-simulate follows
+    std::string on_divergence = "stop";  // stop | cfl: a diverged candidate is simulated once more with the cfl rule
+    int retry_substeps = 40000;          // that this may take; the paper's rule: at most 800 for each of 50 frames
     double duration() const { return frame_dt * (frames - 1); }
   } time;
 

@@ -1,3 +1,4 @@
+bats_require_minimum_version 1.5.0
 load tiny
 
 setup_file() { make_tiny_run; }
@@ -53,6 +54,31 @@ setup() { enter_tiny_run; }
   grep -q -- '--max-steps' rollouts/support-stiff.json
   run simulate --timestep cfl --frames 2 --max-steps 10 --strict
   [ "$status" -eq 5 ]
+}
+
+@test "pm-simulate: a divergence names the row and what to set; time.on_divergence tries once more, within a budget" {
+  edit candidates/support-stiff.json 's/"E": [0-9.e+]+/"E": 1e9/'
+  run --separate-stderr simulate --frames 2
+  [ "$status" -eq 0 ]
+  [[ $stderr = *"support-stiff: the motion breaks down before frame 1 of 1: lollipop/"*" (E 1 GPa) is too stiff for substeps of "*" s, it needs "*'try SET="time.rule=cfl"'* ]]
+  [ "$(wc -l <<<"$stderr")" -eq 1 ]
+  grep -A4 '"divergence"' rollouts/support-stiff.json | grep -q '"cause": "step"'
+  refute grep '"attempts"' rollouts/support-stiff.json
+  edit bundle/scene.json 's/"on_divergence": "stop"/"on_divergence": "cfl"/'
+  run --separate-stderr simulate --frames 2
+  [[ $stderr = *"once more with time.rule=cfl"* ]]
+  grep -q '"status": "stable"' rollouts/support-stiff.json
+  grep -q '"rule": "cfl"' rollouts/support-stiff.json
+  grep -A20 '"attempts"' rollouts/support-stiff.json | grep -Eq '"reason": "[a-z]+ in substep [0-9]+"'
+  refute grep '"divergence"' rollouts/support-stiff.json
+  # What was asked for on the command line is not tried in another way.
+  simulate --frames 2 --timestep paper --quiet
+  grep -q '"status": "diverged"' rollouts/support-stiff.json
+  edit bundle/scene.json 's/"retry_substeps": 40000/"retry_substeps": 10/'
+  run --separate-stderr simulate --frames 2
+  [[ $stderr = *"the 10 substeps of time.retry_substeps"* ]]
+  grep -q '"status": "diverged"' rollouts/support-stiff.json
+  grep -A20 '"attempts"' rollouts/support-stiff.json | grep -q 'more than 10 substeps, which time.retry_substeps allows'
 }
 
 @test "pm-simulate: the run's time.rule chooses the step rule, --timestep wins" {

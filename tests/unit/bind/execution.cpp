@@ -65,18 +65,35 @@ mpm::Result result() {
 }
 
 mpm::Problem problem() {
-  mpm::Problem p;
+  mpm::Problem p;  // dx = 0.075
   p.domain.n = 40;
   p.domain.length = 3;
   p.particles.position.resize(17);
   return p;
 }
 
-ExecutionRecord record_of(const mpm::Result& result, const mpm::Options& options = {}) {
+ExecutionRecord record_of(const mpm::Result& result, const mpm::Options& options = {}, const char* rule = "cfl") {
   bind::BoundTiming timing;
   timing.timing.substeps = 133;
-  timing.rule = "cfl";
-  return bind::execution_record("stiff", problem(), timing, options, result);
+  timing.rule = rule;
+  Candidate candidate;
+  candidate.id = "stiff";
+  candidate.rows.resize(2);
+  candidate.rows[0].key = "cake/sponge", candidate.rows[0].row = 0, candidate.rows[0].E = 3e4;
+  candidate.rows[1].key = "cake/plate", candidate.rows[1].row = 2, candidate.rows[1].E = 7e10;
+  return bind::execution_record(candidate, problem(), timing, options, result);
+}
+
+// The soft row was the fastest; the stiff one allows 1.5e-5 s.
+mpm::Result diverged_result(const char* reason) {
+  mpm::Result r = result();
+  r.status = mpm::Status::diverged;
+  r.reason = reason;
+  r.first_bad_step = 42;
+  r.fault_row = 0;
+  r.stiffest_row = 2;
+  r.stiffest_limit = 1.5e-5;
+  return r;
 }
 
 }  // namespace
@@ -157,10 +174,7 @@ TEST_CASE("bind: what was measured, in which precision") {
 }
 
 TEST_CASE("bind: the record of a diverged run says why, in finite numbers") {
-  mpm::Result diverged = result();
-  diverged.status = mpm::Status::diverged;
-  diverged.reason = "speed";
-  diverged.first_bad_step = 42;
+  mpm::Result diverged = diverged_result("speed");
   diverged.max_speed = kInfinity;
   diverged.balances.back().kinetic = kInfinity;
   ExecutionRecord r = record_of(diverged);
@@ -176,6 +190,77 @@ TEST_CASE("bind: the record of a diverged run says why, in finite numbers") {
   mpm::Options options;
   options.max_steps = 1234;
   CHECK(record_of(diverged, options).reason == "more than 1234 substeps, which --max-steps allows");
+}
+
+TEST_CASE("bind: a divergence names the row, the step that it would have needed, and what to set") {
+  mpm::Result r = diverged_result("energy");
+  r.dt = 5e-5;
+  const auto why = [&](const char* rule) { return *record_of(r, {}, rule).divergence; };
+  Divergence d = why("paper");  // longer than the stiff row bears
+  CHECK(d.cause == "step");
+  CHECK(d.row == "cake/plate");
+  CHECK(d.E == 7e10);
+  CHECK(d.wave_speed == doctest::Approx(5000));
+  CHECK(d.dx == 0.075);
+  CHECK(d.dt == 5e-5);
+  CHECK(d.needed_dt == doctest::Approx(0.7 * 1.5e-5));
+  CHECK(d.frame == 3);
+  CHECK(d.advice ==
+        "the motion breaks down before frame 3 of 49: cake/plate (E 70 GPa) is too stiff for substeps of 5e-05 s, it "
+        "needs 1e-05 s; try SET=\"time.rule=cfl\", which takes as many as that asks for, or give it a softer "
+        "material");
+  r.dt = 1.4e-5;  // short enough: the motion of the fastest row is to blame
+  d = why("paper");
+  CHECK(d.cause == "motion");
+  CHECK(d.row == "cake/sponge");
+  CHECK(d.advice ==
+        "the motion breaks down before frame 3 of 49: cake/sponge (E 30 kPa) is moved faster than its material can "
+        "follow; ask for a gentler or slower action, or try SET=\"time.rule=cfl\"");
+  r.dt = 5e-5;
+  CHECK(why("cfl").cause == "motion");
+  CHECK(why("cfl").advice.find("time.rule") == std::string::npos);
+  r.reason = "step";
+  CHECK(why("paper").cause == "step");
+  r.reason = "budget";
+  CHECK(why("paper").cause == "budget");
+  CHECK(why("paper").row == "cake/plate");
+  CHECK(why("paper").advice.find("10000000 substeps that are allowed") != std::string::npos);
+  CHECK_FALSE(record_of(result()).divergence);
+}
+
+TEST_CASE("bind: of two attempts the stable one stands, and the record names both") {
+  const ExecutionRecord first = record_of(diverged_result("speed"), {}, "paper"), second = record_of(result());
+  const ExecutionRecord good = bind::with_retry(first, 1000, second, 500);
+  CHECK_FALSE(good.diverged);
+  CHECK(good.step_rule == "cfl");
+  CHECK_FALSE(good.divergence);
+  REQUIRE(good.attempts.size() == 2);
+  CHECK(good.attempts[0].rule == "paper");
+  CHECK(good.attempts[0].diverged);
+  CHECK(good.attempts[0].reason == "speed in substep 42");
+  CHECK(good.attempts[0].frames == 3);
+  CHECK(good.attempts[0].steps == 400);
+  CHECK(good.attempts[0].allowed == 1000);
+  CHECK_FALSE(good.attempts[1].diverged);
+  CHECK(good.attempts[1].allowed == 500);
+
+  const ExecutionRecord bad = bind::with_retry(first, 1000, record_of(diverged_result("budget")), 500);
+  CHECK(bad.diverged);
+  CHECK(bad.step_rule == "paper");
+  CHECK(bad.error_tokens == std::vector<std::string>{"speed"});
+  CHECK(bad.divergence->advice.find("500 substeps of time.retry_substeps") != std::string::npos);
+  CHECK(bind::with_retry(first, 1000, record_of(diverged_result("nan")), 500).divergence->row == "cake/plate");
+
+  TemporaryFolder folder;
+  Provenance provenance;
+  provenance.tool = "test";
+  save_execution(folder / "e.json", bad, provenance);
+  const ExecutionRecord loaded = load_execution(folder / "e.json");
+  REQUIRE(loaded.divergence);
+  CHECK(loaded.divergence->advice == bad.divergence->advice);
+  CHECK(loaded.divergence->needed_dt == bad.divergence->needed_dt);
+  REQUIRE(loaded.attempts.size() == 2);
+  CHECK(loaded.attempts[1].reason == bad.attempts[1].reason);
 }
 
 TEST_CASE("bind: a rollout holds the Gaussians' places, velocities and the deformation asked for") {

@@ -175,6 +175,20 @@ TEST_CASE("mpm faults: an initial speed above a cell per substep is found in the
   CHECK(out.result.reason == "speed");
 }
 
+TEST_CASE("mpm faults: a diverged run names the row that bears the smallest step, and the one that was the fastest") {
+  Problem p = scene({Branch::jelly, 1e4, 0.3, 1000});
+  p.materials.push_back({Branch::metal, 1e12, 0.3, 1000});
+  p.materials.push_back({Branch::metal, 1e14, 0.3, 1000});  // without particles
+  add_block(p, {0.5, 0.8, 0.8}, {0.7, 1.0, 1.0}, 0, p.domain.dx(), 0.2, {1000, 0, 0});
+  add_block(p, {1.3, 0.8, 0.8}, {1.5, 1.0, 1.0}, 1, p.domain.dx(), 0.2, {0, 0, 0});
+  const Outcome fast = simulate(p, {2, 0.04, 40});
+  CHECK(fast.result.status == Status::diverged);
+  CHECK(fast.result.fault_row == 0);
+  CHECK(fast.result.fault_speed > 900);
+  CHECK(fast.result.stiffest_row == 1);
+  CHECK(fast.result.stiffest_limit == rest_limit(derive_parameters(p.materials[1], {}), p.domain.dx()));
+}
+
 TEST_CASE("mpm faults: broken input is refused with exit code 3") {
   Problem good = scene({Branch::jelly, 1e4, 0.3, 1000});
   add_block(good, {0.8, 0.8, 0.8}, {0.9, 0.9, 0.9}, 0, good.domain.dx());
