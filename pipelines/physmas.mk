@@ -253,15 +253,24 @@ endif
 
 ACCEPTED := $(filter accept,$(PM_DECISION$(LAST_ROUND)))
 
+# A run in which nothing is accepted shows its best candidate, with the reasons in the picture.
+$(STAMPS)/best: $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/screen/round$(LAST_ROUND).json $(IDS:%=$(RUN)/rollouts/%.json) \
+                $(call missing,$(RUN)/best.mp4) | $(call built,pm-render)
+	$(call stage,best,$(RUN)/best.mp4)
+	@$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/best.mp4,$@.log) \
+	$(BIN)/pm-render best --scene $< --state $(RUN)/state.h5 --screen $(RUN)/screen/round$(LAST_ROUND).json \
+	  --rollouts $(RUN)/rollouts --out $(RUN)/best.mp4 --quiet --threads $(threads)
+	$(finish)
+
 .PHONY: run-finished
-run-finished: $(RUN)/screen/round$(LAST_ROUND).json
+run-finished: $(RUN)/screen/round$(LAST_ROUND).json $(if $(filter fail,$(PM_DECISION$(LAST_ROUND))),$(STAMPS)/best)
 ifneq ($(ACCEPTED),)
 	@if [ -e $(STAMPS)/work ]; then echo "Accepted."; else echo "Nothing to do: $(RUN) is up to date."; fi
 	@printf '  video   %s\n  audit   %s\n  screen  %s\n' $(RUN)/final.mp4 $(RUN)/accepted.json $(RUN)/screen/round$(LAST_ROUND).json
-	@rm -f $(STAMPS)/work
+	@rm -f $(STAMPS)/work $(STAMPS)/best $(RUN)/best.mp4
 else
 	@rm -f $(STAMPS)/work
 	@$(call job,explain,1,$(job_inputs),,$(STAMPS)/explain.log) \
 	$(BIN)/pm-screen --explain --out $(RUN)/screen/round$(LAST_ROUND).json
-	@echo "No candidate was admitted: see $(RUN)/screen/round$(LAST_ROUND).json" >&2; exit 6
+	@echo "No candidate was admitted: see $(RUN)/screen/round$(LAST_ROUND).json; the best is $(RUN)/best.mp4" >&2; exit 6
 endif

@@ -16,6 +16,7 @@
 #include "records/state.h"
 #include "scene/gaussian_files.h"
 #include "scene/image_file.h"
+#include "splat/best_video.h"
 #include "splat/comparison.h"
 #include "splat/contact_sheet.h"
 #include "splat/deformed_gaussians.h"
@@ -181,7 +182,8 @@ void require_given(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   splat::ComparisonOptions comparison;
-  Command compare;
+  splat::BestVideoOptions best_video;
+  Command compare, best;
   const auto is_mp4 = [](const std::string& path) {
     return fs::path(path).extension() == ".mp4" ? std::string() : "expected a name that ends in .mp4";
   };
@@ -191,6 +193,9 @@ int main(int argc, char** argv) {
   tool.footer =
       "Example: pm-render --scene scene.json --state state.h5 --rollout rollouts/posterior.h5 --out "
       "videos/posterior.mp4\n"
+      "         pm-render best --scene scene.json --state state.h5 --screen screen/round2.json --rollouts rollouts "
+      "--out "
+      "best.mp4\n"
       "         pm-render compare videos/posterior.mp4 videos/stiff.mp4 --out compare.mp4\n"
       "Reads physmas/scene/1, state/1, rollout/1 and the execution record beside the rollout;\n"
       "writes the video and physmas/render/1 beside it.";
@@ -222,8 +227,21 @@ int main(int argc, char** argv) {
     compare.add_option("--cell-width", comparison.cell_width, "Pixels, the most that one video gets")
         .between(16, 2048)
         .capture_default_str();
+
+    best =
+        app.add_subcommand("best", "The best candidate of a run that accepted none, with the reasons in the picture");
+    best.add_option("--scene", best_video.scene, "Scene or its render slice").required();
+    best.add_option("--state", best_video.state, "State with the solver map").required();
+    best.add_option("--screen", best_video.screen, "Screen record of the last round").required();
+    best.add_option("--rollouts", best_video.rollouts, "Folder with rollouts and execution records").required();
+    best.add_option("--out", best_video.out, "Video to write, .mp4").required().check(is_mp4);
   };
   tool.work = [&](const CommonOptions&) {
+    if (best.parsed()) {
+      const std::string id = splat::write_best_video(best_video);
+      log_info(fmt::format("{}: the best candidate, which was not accepted", id));
+      return static_cast<int>(ExitCode::done);
+    }
     if (compare.parsed()) {
       splat::write_comparison(comparison);
       return static_cast<int>(ExitCode::done);

@@ -6,6 +6,7 @@
 
 #include "base/command_line.h"
 #include "base/file.h"
+#include "screen/advice.h"
 #include "screen/explain.h"
 #include "screen/round.h"
 #include "screen/run_table.h"
@@ -16,7 +17,7 @@ namespace {
 
 struct Options : screen::RoundFiles {
   int round = -1;
-  bool explain = false;
+  bool explain = false, advice = false;
   std::vector<std::string> table;
 };
 
@@ -31,6 +32,10 @@ void print(const std::string& text) {
 }
 
 int work(const Options& options) {
+  if (options.advice) {
+    print(screen::advice_table());
+    return static_cast<int>(ExitCode::done);
+  }
   require(options.out, "--out");
   if (!options.table.empty()) {
     std::vector<screen::RunSummary> runs;
@@ -76,6 +81,7 @@ int main(int argc, char** argv) {
       "--candidates candidates --rollouts rollouts --videos videos --round 0 --out screen/round0.json "
       "--accepted accepted.json --final final.mp4\n"
       "Print a record: pm-screen --explain --out screen/round0.json\n"
+      "What to try when a gate fails: pm-screen --advice\n"
       "Runs in a table: pm-screen --table runs/a runs/b --out table.tsv\n"
       "Reads physmas/scene, plan, evidence, inventory, round, candidate, execution, render; writes physmas/screen and, "
       "on acceptance, physmas/accepted and the video (both are removed when nothing is accepted). Exit code 6: no "
@@ -95,6 +101,7 @@ int main(int argc, char** argv) {
     app.add_option("--final", options.final_video, "Copy of the accepted video to write").type_name("FILE");
     app.add_option("--table", options.table, "Folders of runs: write what became of them to --out, tab-separated")
         .type_name("DIR...");
+    app.add_flag("--advice", options.advice, "Print what to try when a gate fails, a line per gate");
     app.add_flag("--explain", options.explain, "Print the round as a table; with --out alone, a record that is there");
   };
   tool.work = [&](const CommonOptions&) { return work(options); };

@@ -30,12 +30,13 @@ ScreenRecord load_screen(const std::string& path) {
     c.penalty = json.at("penalty").get<double>();
     c.score = json.at("score").get<double>();
     for (const Json& gate : json.at("gates")) {
-      c.gates.push_back(
-          {gate.at("name").get<std::string>(), gate.at("passed").get<bool>(), gate.at("measured"), gate.at("limit")});
+      c.gates.push_back({gate.at("name").get<std::string>(), gate.at("passed").get<bool>(), gate.at("measured"),
+                         gate.at("limit"), gate.value("advice", "")});
     }
     c.valid = json.at("valid").get<bool>();
     c.admitted = json.at("admitted").get<bool>();
     c.rank = json.at("rank").get<int>();
+    c.advice = json.value("advice", "");
     record.candidates.push_back(std::move(c));
   }
   record.decision = document.at("decision").get<std::string>();
@@ -81,10 +82,12 @@ void save_screen(const std::string& path, const ScreenRecord& record, const Prov
     for (const ScreenedCandidate::Gate& gate : c.gates) {
       entry["gates"].push_back(
           {{"name", gate.name}, {"passed", gate.passed}, {"measured", gate.measured}, {"limit", gate.limit}});
+      if (!gate.advice.empty()) entry["gates"].back()["advice"] = gate.advice;
     }
     entry["valid"] = c.valid;
     entry["admitted"] = c.admitted;
     entry["rank"] = c.rank;
+    if (!c.advice.empty()) entry["advice"] = c.advice;
     json["candidates"].push_back(entry);
   }
   json["decision"] = record.decision;

@@ -20,6 +20,7 @@ struct ScreenedCandidate {
     std::string name;  // plan | process | numerical | spread | flattening | support
     bool passed = false;
     Json measured, limit;
+    std::string advice = {};  // one sentence for a person, of a failed gate
   };
   std::string id, transform;
   int order = 0, round = 0;
@@ -32,6 +33,7 @@ struct ScreenedCandidate {
   bool valid = false;     // all gates passed
   bool admitted = false;  // valid and score >= tau
   int rank = 0;           // 1 is the best of all executed
+  std::string advice;     // valid, but below tau: one sentence for a person
 };
 
 struct AuditCheck {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -180,6 +181,43 @@ Image fit_into(const Image& picture, int width, int height) {
   cv::Mat place = out(cv::Rect((width - w) / 2, (height - h) / 2, w, h));
   cv::resize(view(picture), place, place.size(), 0, 0, scale < 1 ? cv::INTER_AREA : cv::INTER_LINEAR);
   return image_of(out);
+}
+
+void write_caption(Image& picture, const std::vector<std::string>& paragraphs) {
+  constexpr int kMargin = 6, kLine = 16;
+  constexpr double kShine = 0.2;
+  const auto width_of = [](const std::string& text) {
+    int base = 0;
+    return cv::getTextSize(text, kCaptionFont, kCaptionScale, 1, &base).width;
+  };
+  std::vector<std::string> lines;
+  for (const std::string& paragraph : paragraphs) {
+    std::istringstream words(paragraph);
+    std::string line, word;
+    while (words >> word) {
+      const std::string longer = line.empty() ? word : line + " " + word;
+      if (line.empty() || width_of(longer) <= picture.width - 2 * kMargin) {
+        line = longer;
+      } else {
+        lines.push_back(line);
+        line = "  " + word;
+      }
+    }
+    if (!line.empty()) lines.push_back(line);
+  }
+  const size_t room = static_cast<size_t>(std::max(0, (picture.height - 2 * kMargin) / kLine));
+  if (lines.size() > room) lines.resize(room);
+  if (lines.empty()) return;
+  int width = 0;
+  for (const std::string& line : lines) width = std::max(width, width_of(line));
+  cv::Mat pixels(picture.height, picture.width, CV_8UC(picture.channels), picture.pixels.data());
+  cv::Mat box = pixels(cv::Rect(0, 0, std::min(picture.width, width + 2 * kMargin),
+                                static_cast<int>(lines.size()) * kLine + 2 * kMargin));
+  box.convertTo(box, -1, kShine, 255 * (1 - kShine));
+  for (size_t i = 0; i < lines.size(); ++i) {
+    cv::putText(pixels, lines[i], {kMargin, kMargin + static_cast<int>(i + 1) * kLine - 4}, kCaptionFont, kCaptionScale,
+                picture.channels == 4 ? cv::Scalar(0, 0, 0, 255) : cv::Scalar::all(0), 1, cv::LINE_AA);
+  }
 }
 
 Image contact_sheet(const std::vector<Image>& pictures, const std::vector<std::string>& captions, int columns,

@@ -30,6 +30,10 @@ Image decode_image(const std::string& bytes, const std::string& path);
 // The picture as large as fits into width x height pixels, centred on white; of its channels.
 Image fit_into(const Image& picture, int width, int height);
 
+// Writes paragraphs (in ASCII) into the picture's upper left corner, on white that the picture shines through a little;
+// they are wrapped at its right edge, and those that do not fit are left out.
+void write_caption(Image& picture, const std::vector<std::string>& paragraphs);
+
 // Pictures side by side in a grid of `columns`, each with its caption (such as the frame number, in ASCII) below it,
 // cut where the cell ends; all of the first one's channels. Pictures are scaled down to at most cell_width pixels in
 // width and must be of one size.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "screen/advice.h"
 #include "screen/gates.h"
 
 namespace physmas::screen {
@@ -53,6 +54,7 @@ ScreenRecord decide_round(const std::vector<Executed>& executed, const SceneReco
     score_candidate(screened, e, scene);
     check_gates(screened, e, scene);
     screened.admitted = screened.valid && screened.score >= scene.tau;
+    if (screened.valid && !screened.admitted) screened.advice = advice_for("score", e.execution);
     record.candidates.push_back(std::move(screened));
   }
   const std::vector<size_t> order = ranked(record.candidates);

@@ -58,7 +58,11 @@ std::string explain(const ScreenRecord& record) {
     for (const ScreenedCandidate::Gate& gate : c->gates) {
       text += fmt::format("  {:<10}  {}  {}; limit: {}\n", gate.name, gate.passed ? "pass  " : "FAILED",
                           plain(gate.measured), plain(gate.limit));
+      if (!gate.advice.empty()) text += fmt::format("              {}\n", gate.advice);
     }
+    if (!c->advice.empty())
+      text += fmt::format("  {:<10}  FAILED  {:.4f}; limit: {}\n              {}\n", "score", c->score, record.tau,
+                          c->advice);
   }
   if (!record.repair_base.empty()) {
     text += fmt::format("\nrepair {}:", record.repair_base);

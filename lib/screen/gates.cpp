@@ -4,6 +4,7 @@
 
 #include "records/json.h"
 #include "records/support.h"
+#include "screen/advice.h"
 
 namespace physmas::screen {
 namespace {
@@ -79,6 +80,9 @@ void check_gates(ScreenedCandidate& screened, const Executed& executed, const Sc
   screened.gates = {
       plan_gate(scene.plan),  process_gate(executed.execution), numerical_gate(executed.execution),
       spread_gate(endpoints), flattening_gate(endpoints),       support_gate(executed.candidate, scene.inventory)};
+  for (Gate& gate : screened.gates) {
+    if (!gate.passed) gate.advice = advice_for(gate.name, executed.execution);
+  }
   screened.valid =
       std::all_of(screened.gates.begin(), screened.gates.end(), [](const Gate& gate) { return gate.passed; });
 }

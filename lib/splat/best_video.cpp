@@ -1,0 +1,81 @@
+#include "splat/best_video.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/file.h"
+#include "base/log.h"
+#include "records/execution.h"
+#include "records/scene.h"
+#include "records/state.h"
+#include "scene/gaussian_files.h"
+#include "scene/image_file.h"
+#include "splat/quantize.h"
+#include "splat/renderer.h"
+#include "splat/rollout_frames.h"
+#include "splat/video.h"
+
+namespace physmas::splat {
+namespace {
+
+std::vector<const ScreenedCandidate*> by_rank(const ScreenRecord& screen) {
+  std::vector<const ScreenedCandidate*> candidates;
+  for (const ScreenedCandidate& c : screen.candidates) candidates.push_back(&c);
+  std::sort(candidates.begin(), candidates.end(), [](const auto* a, const auto* b) { return a->rank < b->rank; });
+  return candidates;
+}
+
+}  // namespace
+
+std::vector<std::string> reasons_of(const ScreenedCandidate& candidate, const ScreenRecord& screen) {
+  std::vector<std::string> reasons = {"Not accepted: " + candidate.id};
+  for (const ScreenedCandidate::Gate& gate : candidate.gates) {
+    if (!gate.passed) reasons.push_back(gate.name + ": " + gate.advice);
+  }
+  if (!candidate.advice.empty())
+    reasons.push_back(fmt::format("score: Q {:.2f}, needed {:g}. {}", candidate.score, screen.tau, candidate.advice));
+  if (screen.audited && !screen.audit_passed) reasons.push_back(screen.reason);
+  return reasons;
+}
+
+std::string write_best_video(const BestVideoOptions& options) {
+  const ScreenRecord screen = load_screen(options.screen);
+  if (screen.decision != "fail")
+    throw invalid_field(options.screen, "/decision", screen.decision,
+                        "\"fail\": nothing was accepted in the last round");
+  SceneNeeds needs;
+  needs.gaussians = needs.output_cameras = true;
+  const Scene scene = load_scene(options.scene, needs);
+  const State state = load_state(options.state);
+  const Gaussians gaussians = load_labelled_gaussians(scene.gaussians, state, options.state);
+
+  const std::vector<const ScreenedCandidate*> candidates = by_rank(screen);
+  const auto whole = std::find_if(candidates.begin(), candidates.end(), [&](const ScreenedCandidate* c) {
+    return !load_execution(join_path(options.rollouts, c->id + ".json")).diverged;
+  });
+  const ScreenedCandidate& best = whole == candidates.end() ? *candidates.front() : **whole;
+  const std::vector<std::string> reasons = reasons_of(best, screen);
+
+  const RolloutFrames rollout(join_path(options.rollouts, best.id + ".h5"), state);
+  const Camera& first = scene.output_camera(0);
+  Renderer renderer(gaussians);
+  RenderOptions render_options;
+  render_options.background = scene.run.render.background.cast<float>();
+  render_options.max_sh_degree = scene.run.render.sh_degree;
+  VideoWriter video(options.out, first.width, first.height, 1 / scene.run.time.frame_dt);
+  const int frames = scene.run.time.frames;
+  Progress progress("frame", frames);
+  for (int t = 0; t < frames; ++t) {
+    const Camera& camera = scene.output_camera(t);
+    const TransportedFrame frame = rollout.frame(std::min(t, rollout.count() - 1));
+    Image picture = quantize(renderer.render(camera, frame.deformation(), render_options));
+    write_caption(picture, reasons);
+    video.write(picture);
+    progress.update(t + 1);
+  }
+  video.finish();
+  return best.id;
+}
+
+}  // namespace physmas::splat
