@@ -218,6 +218,8 @@ endif
 
 BUILT_TOOLS := $(TOOLS:%=$(BIN)/%)
 SAME_MAKE :=
+# What a run may be given beside its own variables, because it builds the tools.
+BUILD_VARIABLES := CXX CPPFLAGS CXXFLAGS EXTRA_CXXFLAGS LDFLAGS LDLIBS ARCH MARCH OPT PLAIN_OPT SAN BUILD V TOGETHER PRECOMPILE WERROR
 include pipelines/runs.mk
 ifneq ($(filter pictures,$(MAKECMDGOALS)),)
   include docs/pictures.mk

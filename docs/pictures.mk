@@ -20,7 +20,7 @@ pictures-finished: $(MOVING:%=picture-%)
 
 # All 50 frames at 25 per second; the last one stands for 0.8 s before the film begins again.
 $(MOVING:%=picture-%): picture-%:
-	+@$(MAKE) --no-print-directory run $($*_RUN) RUN=$(PICTURES)/$*
+	+@$(MAKE) --no-print-directory run $($*_RUN) RUN=$(PICTURES)/$* PICTURES= GUITAR=
 	ffmpeg -y -loglevel error -i $(PICTURES)/$*/final.mp4 \
 	  -vf "fps=25,$($*_VIEW):flags=lanczos,tpad=stop_mode=clone:stop_duration=0.8" \
 	  -c:v libwebp_anim -loop 0 -quality 75 -compression_level 6 docs/images/$*.webp

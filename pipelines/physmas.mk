@@ -1,11 +1,13 @@
 # The DAG of one run (paper, Algorithm 1). Included by runs.mk for the goals `run` and `demo`.
 #
 # RUN      the run's folder
-# Where the scene comes from, one of:
+# Where the scene comes from, one of (inputs.mk):
 #   EXAMPLE    name of a description in examples/           -> pm-scene synth
-#   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, INVENTORY, MASKS, VIEWS and CAMERAS (with DATAPARSER), SPEC, PHYSGAUSSIAN,
+#   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, INVENTORY, MASKS, VIEWS and CAMERAS (with DATAPARSER), PHYSGAUSSIAN,
 #              OPACITY, CROP, DROP, AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
 #   SCENE      a scene.json                                 -> used where it lies
+# PROMPT   what shall happen, instead of what the scene says
+# SPEC     a run specification: below what is imported, above an example's or a bundle's own
 # SET      run settings that win over the scene's: SET="screening.tau=0.6 time.frames=20"
 # SCENE_AGENT  who proposes inventory and plan: builtin, the URL of a chat server (with MODEL), or replay:DIR  -> pm-ground --agent
 # PERCEPTION   who makes masks: builtin, the URL of an inference server, or replay:DIR                    -> pm-ground --perception
@@ -28,8 +30,6 @@
 #    graph; no make calls another.
 
 STAMPS := $(RUN)/.stamps
-BUNDLE := $(if $(SCENE),$(patsubst %/,%,$(dir $(SCENE))),$(RUN)/bundle)
-SCENE_FILE := $(if $(SCENE),$(SCENE),$(BUNDLE)/scene.json)
 PHASE := $(if $(MAKE_RESTARTS),$(MAKE_RESTARTS),0)
 
 # The name of a stage's job is its stamp's.
@@ -46,63 +46,23 @@ FORCE:
 
 # --- What was asked for: rewritten only when it changes -----------------------------------------------------------
 
-define newline
-
-
-endef
-REQUEST := $(foreach v,EXAMPLE GAUSSIANS PROMPT UP INVENTORY MASKS VIEWS CAMERAS DATAPARSER SPEC PHYSGAUSSIAN OPACITY CROP DROP \
-  AZIMUTH ELEVATION,$(v)=$(value $(v))$(newline))
 SETTINGS := $(value SET)
 GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL),$(v)=$(value $(v))$(newline))
 MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))
-# Through the environment, so that quotes and dollar signs in a prompt reach the tool as they were typed.
-export PM_PROMPT := $(value PROMPT)
-ifeq ($(PHASE),0)
-  ifneq ($(shell mkdir -p $(RUN) $(STAMPS) && echo made),made)
-    $(error $(RUN) cannot be made: is its folder writable?)
-  endif
-endif
-$(eval $(call remember,$(RUN)/request,$(REQUEST)))
+include $(PIPELINES)inputs.mk
 $(eval $(call remember,$(RUN)/settings,$(SETTINGS)))
 $(eval $(call remember,$(RUN)/ground-models,$(GROUND_MODELS)))
 $(eval $(call remember,$(RUN)/models,$(MODELS)))
 
-# --- The bundle ---------------------------------------------------------------------------------------------------
-
-ifeq ($(SCENE),)
-BUNDLE_FILES := $(sort $(BUNDLE)/scene.json $(wildcard $(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.*))
-
-ifneq ($(EXAMPLE),)
-$(STAMPS)/bundle: $(EXAMPLES)$(EXAMPLE).json $(RUN)/request $(call missing,$(BUNDLE)/scene.json) | $(call built,pm-scene)
-	$(call stage,synth,$(BUNDLE))
-	@$(call job,$(@F),$(threads),$(job_inputs),$(BUNDLE)/scene.json,$@.log) \
-	$(BIN)/pm-scene synth $< --out $(BUNDLE) --threads $(threads)
-	$(finish)
-else
-$(STAMPS)/bundle: $(GAUSSIANS) $(INVENTORY) $(SPEC) $(PHYSGAUSSIAN) $(CAMERAS) $(filter-out none,$(DATAPARSER)) $(wildcard $(addsuffix /*,$(MASKS) $(VIEWS))) $(RUN)/request \
-                  $(call missing,$(BUNDLE)/scene.json) | $(call built,pm-scene)
-	$(call stage,import,$(BUNDLE))
-	@$(call job,$(@F),$(threads),$(job_inputs),$(BUNDLE)/scene.json,$@.log) \
-	$(BIN)/pm-scene import "$(GAUSSIANS)" --prompt "$$PM_PROMPT" --out $(BUNDLE) \
-	  $(if $(UP),--up=$(UP)) $(if $(INVENTORY),--inventory $(INVENTORY)) $(if $(MASKS),--masks $(MASKS)) \
-	  $(if $(VIEWS),--views $(VIEWS)) $(if $(CAMERAS),--cameras $(CAMERAS)) \
-	  $(if $(DATAPARSER),--dataparser-transforms $(DATAPARSER)) $(if $(SPEC),--run $(SPEC)) \
-	  $(if $(PHYSGAUSSIAN),--physgaussian $(PHYSGAUSSIAN)) $(if $(OPACITY),--opacity-threshold $(OPACITY)) \
-	  $(if $(CROP),--crop $(CROP)) $(if $(DROP),--drop $(DROP)) $(if $(AZIMUTH),--azimuth $(AZIMUTH)) $(if $(ELEVATION),--elevation $(ELEVATION)) --threads $(threads)
-	$(finish)
-endif
-$(BUNDLE_FILES): $(STAMPS)/bundle ;
-else
-BUNDLE_FILES := $(sort $(SCENE) $(wildcard $(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.*))
-endif
-
 # --- The run specification, one slice per stage -------------------------------------------------------------------
 
 SLICES := $(foreach s,ground lift material candidates simulate render screen,$(RUN)/spec/$(s).json)
-$(STAMPS)/spec: $(BUNDLE_FILES) $(RUN)/settings $(call missing,$(SLICES)) | $(call built,pm-scene)
+$(STAMPS)/spec: $(BUNDLE_FILES) $(RUN)/settings $(RUN)/changes $(if $(GAUSSIANS),,$(in_make_SPEC)) \
+                $(call missing,$(SLICES)) | $(call built,pm-scene)
 	$(call stage,spec,$(RUN)/spec)
 	@$(call job,$(@F),1,$(job_inputs),$(SLICES),$@.log) \
-	$(BIN)/pm-scene slice --scene $(SCENE_FILE) --out $(RUN)/spec $(foreach s,$(SET),--set '$(s)')
+	$(BIN)/pm-scene slice --scene $(SCENE_FILE) --out $(RUN)/spec $(foreach s,$(SET),--set '$(s)') \
+	  $(if $(GAUSSIANS),,$(call option,--prompt ,PROMPT) $(call option,--overrides ,SPEC))
 	$(finish)
 $(SLICES): $(STAMPS)/spec ;
 
@@ -122,8 +82,8 @@ $(STAMPS)/ground: $(RUN)/spec/ground.json $(RUN)/ground-models $(call replayed,$
 	$(call stage,ground,$(RUN)/inventory.json)
 	@$(call or_base,spec/ground.json ground-models,inventory.json plan.json masks.h5) \
 	$(call job,$(@F),$(threads),$(job_inputs),$(GROUNDED),$@.log) \
-	$(BIN)/pm-ground --scene $< --out $(RUN) $(if $(SCENE_AGENT),--agent "$(SCENE_AGENT)" $(if $(MODEL),--model "$(MODEL)")) \
-	  $(if $(PERCEPTION),--perception "$(PERCEPTION)") --threads $(threads)
+	$(BIN)/pm-ground --scene $< --out $(RUN) $(call option,--agent ,SCENE_AGENT) $(if $(SCENE_AGENT),$(call option,--model ,MODEL)) \
+	  $(call option,--perception ,PERCEPTION) --threads $(threads)
 	$(finish)
 $(GROUNDED): $(STAMPS)/ground ;
 
@@ -135,15 +95,15 @@ $(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(ca
 	$(finish)
 $(RUN)/state.h5: $(STAMPS)/lift ;
 
-MATERIAL_INPUTS := $(call replayed,$(AGENT)) $(call replayed,$(PREDICTOR)) $(wildcard $(AUTHORED) $(filter-out replay:%,$(PREDICTOR)))
+MATERIAL_INPUTS := $(call replayed,$(AGENT)) $(call replayed,$(PREDICTOR)) $(in_make_AUTHORED) $(in_make_PREDICTOR)
 $(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks.h5 $(RUN)/state.h5 $(RUN)/models \
                     $(MATERIAL_INPUTS) $(call missing,$(RUN)/evidence.json) | $(call built,pm-material)
 	$(call stage,material,$(RUN)/evidence.json)
 	@$(if $(MATERIAL_INPUTS),,$(call or_base,spec/material.json inventory.json masks.h5 state.h5 models,evidence.json)) \
 	$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/evidence.json,$@.log) \
 	$(BIN)/pm-material --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --state $(RUN)/state.h5 \
-	  --out $(RUN)/evidence.json $(if $(AGENT),--agent "$(AGENT)") $(if $(MODEL),--model "$(MODEL)") \
-	  $(if $(PREDICTOR),--predictor "$(PREDICTOR)") $(if $(AUTHORED),--authored "$(AUTHORED)") --threads $(threads)
+	  --out $(RUN)/evidence.json $(call option,--agent ,AGENT) $(if $(AGENT),$(call option,--model ,MODEL)) \
+	  $(call option,--predictor ,PREDICTOR) $(call option,--authored ,AUTHORED) --threads $(threads)
 	$(finish)
 $(RUN)/evidence.json: $(STAMPS)/material ;
 
@@ -163,6 +123,7 @@ $(STAMPS)/candidates$(1): $(RUN)/spec/candidates.json $(RUN)/inventory.json $(RU
 	$(BIN)/pm-candidates --scene $$< --inventory $(RUN)/inventory.json --plan $(RUN)/plan.json \
 	  --evidence $(RUN)/evidence.json --state $(RUN)/state.h5 --out $(RUN)/candidates \
 	  $(if $(2),--repair $(RUN)/screen/round$(2).json) --threads $$(threads)
+	@bash $(PIPELINES)remove-stale.sh $(RUN) $(1) candidates
 	$$(finish)
 $(RUN)/candidates/round$(1).json $(RUN)/candidates/round$(1).mk $(PM_ROUND$(1):%=$(RUN)/candidates/%.json): \
     $(STAMPS)/candidates$(1) ;
@@ -200,6 +161,7 @@ $(STAMPS)/screen$(1): $(RUN)/spec/screen.json $(RUN)/plan.json $(RUN)/evidence.j
 	  --inventory $(RUN)/inventory.json --candidates $(RUN)/candidates --rollouts $(RUN)/rollouts \
 	  --videos $(RUN)/videos --round $(1) --out $(RUN)/screen/round$(1).json \
 	  --accepted $(RUN)/accepted.json --final $(RUN)/final.mp4 --quiet --threads $$(threads) || [ $$$$? -eq 6 ]
+	@bash $(PIPELINES)remove-stale.sh $(RUN) $(1) screen
 	$$(finish)
 $(RUN)/screen/round$(1).json $(RUN)/screen/round$(1).mk: $(STAMPS)/screen$(1) ;
 endef
@@ -239,13 +201,15 @@ $(foreach n,1 2,$(if $(filter repair,$(PM_DECISION$(LAST_ROUND))),$(eval $(call 
 NEXT := $(firstword $(filter-out $(KNOWN),$(foreach n,$(ROUNDS),$(filter %/round$(n).mk,$(FACTS)))))
 
 # `make -n` must not run anything, so it sees the graph only as far as it is known.
-ifneq ($(findstring n,$(filter-out -%,$(firstword $(MAKEFLAGS)))),)
+ifneq ($(DRY),)
   NEXT :=
 endif
 ifneq ($(NEXT),)
   # All tools are built before the first restart: later readings skip the header dependencies.
   PHASE_FILE := $(STAMPS)/phase$(words $(KNOWN) $(NEXT)).mk
   $(PHASE_FILE): $(RUN)/$(NEXT) | $(call built,$(RUN_TOOLS))
+  # Where a stage fails, make shall not also say that this file is not there.
+  $(if $(wildcard $(PHASE_FILE)),,$(file >$(PHASE_FILE),))
   include $(PHASE_FILE)
 endif
 

@@ -4,6 +4,7 @@
 # BIN          the folder of the tools
 # BUILT_TOOLS  those that make can build, as files; empty outside the tree
 # SAME_MAKE    the options that make needs to read the same makefile again, where it is not called Makefile
+# BUILD_VARIABLES  the variables that building the tools has
 
 # Relative in the tree, where records hold these paths.
 PIPELINES := $(dir $(lastword $(MAKEFILE_LIST)))
@@ -11,8 +12,6 @@ EXAMPLES := $(PIPELINES:%pipelines/=%)examples/
 
 EXAMPLE ?=
 GAUSSIANS ?=
-PROMPT ?=
-UP ?=
 SCENE ?=
 
 # --- Tools and executor -------------------------------------------------------------------------------------------
@@ -31,39 +30,44 @@ ifneq ($(filter demo run batch evaluate,$(MAKECMDGOALS)),)
     $(error EXECUTOR=$(EXECUTOR) is not there; known are $(EXECUTORS), or name a file: EXECUTOR=folder/mine.mk)
   endif
   include $(EXECUTOR_FILE)
+  include $(PIPELINES)variables.mk
 endif
 # What the job of a rule reads.
 job_inputs = $(filter-out FORCE,$^)
 
 # --- Request files ------------------------------------------------------------------------------------------------
 
+# Not empty where make only tells (-n, -q, -t): then nothing is written.
+DRY := $(filter n q t,$(foreach o,n q t,$(findstring $(o),$(filter-out -%,$(firstword $(MAKEFLAGS))))))
+
 same_words = $(and $(findstring x$(strip $(1))x,x$(strip $(2))x),$(findstring x$(strip $(2))x,x$(strip $(1))x))
 # $(eval $(call remember,FILE,TEXT)): FILE holds TEXT, something that was asked for, and is rewritten only when that changes:
 # a rule that depends on FILE runs again when something else is asked for.
 define remember
-$(if $(wildcard $(1)),$(if $(call same_words,$(file <$(1)),$(2)),,$(file >$(1),$(2))),$(file >$(1),$(2)))
+$(if $(DRY),,$(if $(wildcard $(1)),$(if $(call same_words,$(file <$(1)),$(2)),,$(file >$(1),$(2))),$(file >$(1),$(2))))
 $(1): ;
 endef
 
 # --- Goals --------------------------------------------------------------------------------------------------------
 
 ifneq ($(filter demo,$(MAKECMDGOALS)),)
-  RUN ?= runs/demo
-  EXAMPLE := $(or $(EXAMPLE),cake)
+  RUN ?= runs/demo$(patsubst %,-%,$(filter-out cake,$(EXAMPLE)))
+  override EXAMPLE := $(or $(EXAMPLE),cake)
 endif
 ifneq ($(filter run,$(MAKECMDGOALS)),)
-  # An import without a prompt is a mistake that is better told here than by a tool.
-  ifneq ($(GAUSSIANS),)
-    ifeq ($(strip $(value PROMPT)),)
-      $(error make run GAUSSIANS=... also needs PROMPT="what should happen")
+  # The run is called after the scene: "my scans/Stuhl (1).compressed.ply" -> runs/Stuhl-1.
+  run_name = $(if $(call is_plain,$(1)),$(notdir $(1:%/=%)),$(shell basename -- $(quoted) | LC_ALL=C sed -E 's/[^[:alnum:]._-]+/-/g; s/-+(\.|$$)/\1/g; s/^-+//'))
+  RUN ?= runs/$(or $(EXAMPLE),$(subst .compressed,,$(basename $(call run_name,$(or $(value GAUSSIANS),$(patsubst %/scene.json,%,$(value SCENE)))))),run)
+  ifeq ($(EXAMPLE)$(value GAUSSIANS)$(value SCENE),)
+    # The scene of an earlier run: its own bundle, or the one that it was made from (RUN/source, inputs.mk).
+    earlier := $(wildcard $(RUN)/bundle/scene.json)
+    ifeq ($(earlier),)
+      earlier := $(if $(wildcard $(RUN)/source),$(shell sed -n '1s/^SCENE=//p' $(RUN)/source))
     endif
-  endif
-  RUN ?= runs/$(firstword $(EXAMPLE) $(subst .compressed,,$(basename $(notdir $(or $(GAUSSIANS),$(patsubst %/scene.json,%,$(SCENE)))))) run)
-  ifeq ($(EXAMPLE)$(GAUSSIANS)$(SCENE),)
-    ifeq ($(wildcard $(RUN)/bundle/scene.json),)
+    ifeq ($(earlier),)
       $(error make run needs GAUSSIANS=file.ply PROMPT="...", EXAMPLE=name, SCENE=scene.json, or the RUN= of an earlier run)
     endif
-    SCENE := $(RUN)/bundle/scene.json
+    override SCENE := $(earlier)
   endif
 endif
 ifneq ($(filter demo run,$(MAKECMDGOALS)),)
@@ -73,5 +77,10 @@ ifneq ($(filter batch,$(MAKECMDGOALS)),)
   include $(PIPELINES)batch.mk
 endif
 ifneq ($(filter evaluate,$(MAKECMDGOALS)),)
-  include $(PIPELINES)evaluate.mk
+  ifeq ($(DRY),)
+    include $(PIPELINES)evaluate.mk
+  else
+    # Its cases and methods are known once pm-eval has read the suite, which writes files.
+    evaluate-finished: ; @echo "pm-eval suite says what a benchmark runs"
+  endif
 endif

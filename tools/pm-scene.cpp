@@ -11,7 +11,7 @@
 using namespace physmas;
 
 int main(int argc, char** argv) {
-  std::string example, scene, described, folder, overrides_file;
+  std::string example, scene, described, folder, overrides_file, prompt;
   std::vector<std::string> settings;
   std::vector<double> crop;
   bundle::ImportOptions import;
@@ -82,6 +82,7 @@ int main(int argc, char** argv) {
         .expected(1)
         .take_all();
     slice_command.add_option("--overrides", overrides_file, "Run specification whose fields win over the scene's");
+    slice_command.add_option("--prompt", prompt, "What shall happen, instead of what the scene says");
     slice_command.add_option("--out", folder, "Folder of the slices").required();
 
     info_command = app.add_subcommand("info", "What a file of Gaussians or a scene.json holds");
@@ -92,7 +93,7 @@ int main(int argc, char** argv) {
     if (!crop.empty()) import.selection.crop = bundle::crop_box(crop, "--crop");
     if (synth_command.parsed()) bundle::write_synth_bundle(example, folder, true_masks);
     if (import_command.parsed()) bundle::write_import_bundle(import);
-    if (slice_command.parsed()) write_slices(scene, run_overrides(overrides_file, settings), folder);
+    if (slice_command.parsed()) write_slices(scene, run_overrides(overrides_file, settings), prompt, folder);
     if (info_command.parsed()) bundle::print_report(described);
     return 0;
   };

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <set>
 
+#include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "records/json.h"
@@ -76,8 +77,15 @@ Json output_cameras_for(const Scene& scene, const Json& overrides) {
 
 }  // namespace
 
-void write_slices(const std::string& scene_path, const Json& overrides, const std::string& folder) {
-  const Json document = load_record(scene_path, "scene");
+void write_slices(const std::string& scene_path, const Json& overrides, const std::string& prompt,
+                  const std::string& folder) {
+  Json document = load_record(scene_path, "scene");
+  if (!prompt.empty()) {
+    if (prompt.find_first_not_of(" \t\r\n") == std::string::npos)
+      throw invalid_input({"--prompt", "", "a blank prompt", "a description of the motion",
+                           "for example --prompt \"it falls onto the floor\""});
+    document["prompt"] = prompt;
+  }
   if (document.contains("slice"))
     throw invalid_field(scene_path, "/slice", document.at("slice"), "a whole scene, not a slice");
   const std::string root = folder_of(scene_path);
@@ -89,7 +97,8 @@ void write_slices(const std::string& scene_path, const Json& overrides, const st
   const RunSpecification specification = run_specification_from(run, scene_path, "/run");
   const Scene scene = load_scene(scene_path, {true, true, true, true});
   const Json cameras = output_cameras_for(scene, overrides);
-  const fs::path slice_folder = fs::weakly_canonical(folder);
+  // Absolute first: weakly_canonical leaves a relative path relative when its first folder does not exist yet.
+  const fs::path slice_folder = fs::weakly_canonical(fs::absolute(folder));
   for (const SliceContent& content : kContents) {
     Json slice;
     slice["name"] = scene.name;

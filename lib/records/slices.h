@@ -10,8 +10,10 @@ namespace physmas {
 
 // Cuts the scene of `scene_path` into one slice per stage under `folder` (ground.json, lift.json, ...), each rewritten
 // only when its content changes. What a slice holds of the run specification, run_fields.h says. `overrides`: a run
-// object whose fields win over the scene's (JSON merge patch, RFC 7396).
-void write_slices(const std::string& scene_path, const Json& overrides, const std::string& folder);
+// object whose fields win over the scene's (JSON merge patch, RFC 7396). prompt: instead of the scene's; empty: the
+// scene's. A blank one is an Error (exit code 3).
+void write_slices(const std::string& scene_path, const Json& overrides, const std::string& prompt,
+                  const std::string& folder);
 
 }  // namespace physmas
 

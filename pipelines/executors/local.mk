@@ -15,6 +15,7 @@
 #   LOG      a file for what it prints, if the executor needs one; its folder exists
 # $(call job_threads,NAME): the threads that such a job should get, as a word of the shell. The recipe hands them to the
 #   tool (--threads) and back to `job`.
+# EXECUTOR_VARIABLES, if it has any: the names of its own variables, which a user may then set on make's command line.
 #
 # What recipes count on. The arguments of the command arrive byte for byte, in this working folder and with this
 # environment, which holds the keys of model servers. The program returns when the command has ended and its outputs can

@@ -53,3 +53,19 @@ LIST
   [ "$status" -ne 0 ]
   [[ $output = *SCENES* ]]
 }
+
+@test "batch: files of any ending, and names that are neither an example nor a file" {
+  cd "$BATS_TEST_TMPDIR"
+  mkdir "my scans"
+  touch "my scans/a (1).ply"
+  # A dot in a name is a dot.
+  printf '%s\n' '"my scans/a (1).ply" PROMPT=one' 'v3.spz PROMPT=two' 'a.b/scene.json PROMPT=three' 'axb.ply PROMPT=four' 'cake PROMPT=five' >list.txt
+  names=$(EXAMPLES=$root/examples/ bash "$root/pipelines/batch-scenes.sh" list list.txt)
+  [ "$names" = "a-1 v3 a.b axb cake" ]
+  grep -q $'^v3\tGAUSSIANS=v3.spz\tPROMPT=two$' list
+  grep -q $'\tGAUSSIANS=my scans/a (1).ply\tPROMPT=one$' list
+  grep -q $'^cake\tEXAMPLE=cake\tPROMPT=five$' list
+  run run_batch SCENES="cake sunflowr"
+  [ "$status" -ne 0 ]
+  [[ $output = *"sunflowr is no example and no file"* ]]
+}

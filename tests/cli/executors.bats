@@ -56,7 +56,7 @@ PY
     done
   done
   [ -z "$(ls)" ]
-  clean_make -C "$root" -n run SCENE="$PWD/scene.json" RUN="$PWD/run" EXECUTOR=local 2>&1 | grep -q "No rule to make target '$PWD/scene.json'"
+  clean_make -C "$root" -n run SCENE="$PWD/scene.json" RUN="$PWD/run" EXECUTOR=local 2>&1 | grep -q "SCENE=$PWD/scene.json is not there"
 }
 
 # An executor that writes down its jobs, holds them against what they declare, and marks what they run; and tools that write down who ran
