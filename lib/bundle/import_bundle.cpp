@@ -116,8 +116,11 @@ int grid_for(const Gaussians& gaussians, const RunSpecification& run) {
 // imported configuration or nothing.
 RunSpecification run_for(const ImportOptions& options, Json json, const Gaussians& gaussians) {
   const std::string file = options.run.empty() ? "--drop" : options.run;
+  bool asked_grid = false;  // by the user's own specification
   if (!options.run.empty()) {
-    json.merge_patch(load_record(options.run, "run"));
+    const Json own = load_record(options.run, "run");
+    asked_grid = own.contains("/grid/n"_json_pointer);
+    json.merge_patch(own);
     json.erase("schema");
     json.erase("provenance");
     if (json.value("/placement/up"_json_pointer, options.up) != options.up) {
@@ -125,10 +128,17 @@ RunSpecification run_for(const ImportOptions& options, Json json, const Gaussian
                           "the axis that --up gives, \"" + options.up + "\"");
     }
   }
+  Json paper = json;
+  paper["placement"]["up"] = options.up;
+  const RunSpecification given = run_specification_from(paper, file, "");
   if (!json.contains("/grid/n"_json_pointer)) {
-    Json paper = json;
-    paper["placement"]["up"] = options.up;
-    json["grid"]["n"] = grid_for(gaussians, run_specification_from(paper, file, ""));
+    json["grid"]["n"] = grid_for(gaussians, given);
+  } else if (asked_grid && given.time.rule == "paper" && given.grid.n > stable_grid(given)) {
+    log_warning(
+        fmt::format("{}: grid.n = {}, but what has no material of its own, Plastic, is stable on at most {} "
+                    "cells at these time steps: leave grid.n out, or lower time.min_substep_dt and raise "
+                    "time.max_substeps",
+                    file, given.grid.n, stable_grid(given)));
   }
   const bool own_center = json.contains("/placement/center"_json_pointer), own_colliders = json.contains("colliders");
   json["placement"]["up"] = options.up;

@@ -122,6 +122,18 @@ cameras() {
   [[ "$output" == *"scene mine"* && "$output" == *"for 10 frames"* && "$output" == *"40 cells"* ]]
 }
 
+@test "import leaves the grid to its rule, and says when the user's own is too fine for the steps" {
+  quick=$BATS_TEST_DIRNAME/../../examples/quick-run.json
+  import "$TINY/gaussians.ply" --prompt "it falls" --run "$quick" 2>"$BATS_TEST_TMPDIR/errors"
+  [ ! -s "$BATS_TEST_TMPDIR/errors" ]
+  [ "$(sed -nE 's/.*"n": ([0-9]+).*/\1/p' "$OUT/scene.json")" -le 37 ]
+  echo '{"schema": "physmas/run/1", "grid": {"n": 48}, "time": {"min_substep_dt": 1e-4, "max_substeps": 400}}' >"$BATS_TEST_TMPDIR/run.json"
+  import "$TINY/gaussians.ply" --prompt "it falls" --run "$BATS_TEST_TMPDIR/run.json" 2>"$BATS_TEST_TMPDIR/errors"
+  [ "$(wc -l <"$BATS_TEST_TMPDIR/errors")" -eq 1 ]
+  grep -q "run.json: grid.n = 48.* at most 37 cells" "$BATS_TEST_TMPDIR/errors"
+  grep -q '"n": 48' "$OUT/scene.json"
+}
+
 @test "bad prompts, files and names are refused and nothing is written" {
   refused_input "--prompt" import "$TINY/gaussians.ply" --prompt "  "
   refused_input "nowhere.ply" import "$BATS_TEST_TMPDIR/nowhere.ply" --prompt x
