@@ -43,6 +43,7 @@ SOLVER_FOLDERS = {
     "material": ["math"],
     "action": ["math", "domain.h", "state.h"],
     "cpu": ["math", "material", "action", "domain.h", "state.h", "energy_budget.h", "stepper.h", "stepper_setup.h"],
+    "statics": ["math", "material", "action", "domain.h", "state.h"],
 }
 SOLVER_FOLDERS["cuda"] = SOLVER_FOLDERS["rigid"] = SOLVER_FOLDERS["cpu"]
 

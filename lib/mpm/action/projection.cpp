@@ -85,6 +85,8 @@ RowMotion motion_of(const State& state, const std::vector<int>& particles, const
 CompiledProjection::CompiledProjection(const StructureProjection& projection, const Particles& rest)
     : eta_(projection.eta), mode_(projection.mode), particles_(particles_of_rows({projection.row}, rest)) {
   if (!particles_.empty()) offset_ = offsets_from(mean_of(rest.position, particles_), particles_, rest);
+  if (rest.deformation_gradient.empty()) return;
+  for (const int i : particles_) F0_.push_back(rest.deformation_gradient[i]);
 }
 
 void CompiledProjection::apply(State& state) const {
@@ -95,7 +97,7 @@ void CompiledProjection::apply(State& state) const {
     const Vec3d offset = row.rotation * offset_[k];
     state.x[i] = blend(eta_, row.center + offset, state.x[i]);
     state.v[i] = blend(eta_, row.velocity + row.spin * offset, state.v[i]);
-    state.F[i] = (1 - eta_) * state.F[i] + eta_ * row.rotation;
+    state.F[i] = (1 - eta_) * state.F[i] + eta_ * (F0_.empty() ? row.rotation : row.rotation * F0_[k]);
     state.C[i] = (1 - eta_) * state.C[i] + eta_ * row.spin;
     if (!state.total_F.empty()) state.total_F[i] = (1 - eta_) * state.total_F[i] + eta_ * row.rotation;
   }

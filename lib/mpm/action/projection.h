@@ -10,7 +10,8 @@
 namespace physmas::mpm {
 
 // Relaxes a support-like row towards its rest shape around its current centre (paper, Eqs. "structuremotion",
-// "structurestate"). Means are unweighted, over all particles of the row.
+// "structurestate"). Means are unweighted, over all particles of the row. Where particles begin with an elastic F of
+// their own, that is what belongs to the rest shape and takes the place of the identity.
 struct StructureProjection {
   // literal: the rest shape is not rotated, F goes to the identity, velocities to their mean, as the paper prints it.
   // rigid: the rest shape is turned by the row's best-fit rotation R, F goes to R, and velocities to the rigid motion
@@ -45,6 +46,7 @@ class CompiledProjection {
   StructureProjection::Mode mode_;
   std::vector<int> particles_;
   std::vector<Vec3d> offset_;
+  std::vector<Mat3d> F0_;  // or empty: identity
 };
 
 class CompiledRetention {

@@ -25,6 +25,10 @@ template <class T>
 PHYSMAS_INLINE Symmetric<T> operator*(const T& s, const Symmetric<T>& a) {
   return {s * a.xx, s * a.yy, s * a.zz, s * a.xy, s * a.xz, s * a.yz};
 }
+template <class T>
+PHYSMAS_INLINE Symmetric<T> operator+(const Symmetric<T>& a, const Symmetric<T>& b) {
+  return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
+}
 template <class Condition, class T>
 PHYSMAS_INLINE Symmetric<T> select(const Condition& c, const Symmetric<T>& a, const Symmetric<T>& b) {
   return {select(c, a.xx, b.xx), select(c, a.yy, b.yy), select(c, a.zz, b.zz),

@@ -47,6 +47,12 @@ TEST_CASE("mpm rigid projection: a turned, moving row is left as it is, literall
   State rigid = s, literal = s;
   CompiledProjection({0, 1.0, Mode::rigid}, p.particles).apply(rigid);
   CompiledProjection({0, 1.0, Mode::literal}, p.particles).apply(literal);
+  // A rest shape that begins stretched, so as to carry a load, stays so.
+  const Mat3d F0 = diagonal(1.01, 0.98, 1.0);
+  p.particles.deformation_gradient.assign(p.particles.size(), F0);
+  State loaded = s, turned = s;
+  CompiledProjection({0, 1.0, Mode::literal}, p.particles).apply(loaded);
+  CompiledProjection({0, 1.0, Mode::rigid}, p.particles).apply(turned);
   for (size_t i = 0; i < s.x.size(); ++i) {
     // The whiff of the identity that decides open rotations is 1e-9; velocities follow from the offsets.
     CHECK(norm(rigid.x[i] - s.x[i]) < 1e-9);
@@ -55,6 +61,8 @@ TEST_CASE("mpm rigid projection: a turned, moving row is left as it is, literall
     CHECK(squared_norm(rigid.C[i] - s.C[i]) < 1e-16);
     CHECK(norm(literal.x[i] - (c + shift + (p.particles.position[i] - c))) < 1e-12);
     CHECK(squared_norm(literal.F[i] - identity<double>()) == 0);
+    CHECK(squared_norm(loaded.F[i] - F0) == 0);
+    CHECK(squared_norm(turned.F[i] - R * F0) < 1e-16);
   }
 }
 
