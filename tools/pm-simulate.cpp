@@ -9,6 +9,7 @@
 #include "bind/execution.h"
 #include "bind/problem.h"
 #include "bind/rollout.h"
+#include "bind/start.h"
 #include "bind/timing.h"
 #include "records/json.h"
 #include "records/scene.h"
@@ -57,13 +58,15 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   if (options.grid > 0) run.grid.n = options.grid;
   if (options.frames > 0) run.time.frames = options.frames;
 
-  const mpm::Problem problem = bind::bind_problem(candidate, state, run, {options.state, options.candidate});
+  mpm::Problem problem = bind::bind_problem(candidate, state, run, {options.state, options.candidate});
   const std::string rule = options.timestep.empty() ? run.time.rule : options.timestep;
   const Provenance provenance = provenance_of(options, rule);
   double speed = 0;  // particle-steps/s
+  const std::optional<mpm::Equilibrium> start = bind::bind_start(run.time, common.device, problem);
   const auto attempt = [&](const std::string& by, const mpm::Options& solver, bool only_if_stable) {
     const bind::BoundTiming timing = bind::bind_timing(by, run.time, candidate, options.candidate);
     bind::RolloutRecorder rollout(options.out, state.gaussian_count(), solver, provenance);
+    rollout.start_from(problem.particles.deformation_gradient);
     Progress progress("frame", timing.timing.frames);
     const mpm::Result result = mpm::run(problem, timing.timing, solver, [&](const mpm::Frame& frame) {
       rollout.append(frame);
@@ -81,6 +84,10 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
     mpm::Options retry = solver;
     retry.max_steps = std::min<long long>(retry.max_steps, run.time.retry_substeps);
     record = bind::with_retry(record, solver.max_steps, attempt("cfl", retry, true), retry.max_steps);
+  }
+  if (start) {
+    record.start = bind::start_record(*start, state.row_keys);
+    record.runtime["seconds"]["start"] = start->seconds;
   }
   save_execution(fs::path(options.out).replace_extension(".json").string(), record, provenance);
   if (record.diverged) {

@@ -18,6 +18,9 @@ std::string deformation_name(const mpm::Options& options);
 class RolloutRecorder {
  public:
   RolloutRecorder(const std::string& path, size_t gaussians, const mpm::Options& options, const Provenance& provenance);
+  // F0: elastic F of all particles at the start, or empty: the identity. Gaussians show the captured shape in frame 0,
+  // so what carries them is F F0⁻¹, the deformation since then.
+  void start_from(const std::vector<mpm::Mat3d>& F0);
   void append(const mpm::Frame& frame);
   void commit() { writer_.commit(); }
 
@@ -25,6 +28,7 @@ class RolloutRecorder {
   size_t gaussians_;
   bool total_;
   RolloutWriter writer_;
+  std::vector<mpm::Mat3d> inverse_F0_;          // of the Gaussians, or empty
   std::vector<float> position_, F_, velocity_;  // of one frame
 };
 

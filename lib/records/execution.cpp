@@ -42,6 +42,31 @@ Attempt attempt_from(const Json& json) {
   return a;
 }
 
+StartRecord start_from(const Json& json) {
+  StartRecord start;
+  start.supported_parts = json.at("supported_parts").get<int>();
+  start.free_parts = json.at("free_parts").get<int>();
+  start.supported_particles = json.at("supported_particles").get<long>();
+  start.iterations = json.at("iterations").get<int>();
+  start.corrections = json.at("corrections").get<int>();
+  start.residual = json.at("residual").get<double>();
+  start.largest_strain = json.at("largest_strain").get<double>();
+  for (const Json& row : json.at("limited"))
+    start.limited.emplace_back(row.at("row").get<std::string>(), row.at("particles").get<long>());
+  return start;
+}
+
+Json to_json(const StartRecord& start) {
+  Json json = {{"rule", "equilibrium"},          {"supported_parts", start.supported_parts},
+               {"free_parts", start.free_parts}, {"supported_particles", start.supported_particles},
+               {"iterations", start.iterations}, {"corrections", start.corrections},
+               {"residual", start.residual},     {"largest_strain", start.largest_strain},
+               {"limited", Json::array()}};
+  for (const auto& [row, particles] : start.limited)
+    json["limited"].push_back({{"row", row}, {"particles", particles}});
+  return json;
+}
+
 }  // namespace
 
 ExecutionRecord load_execution(const std::string& path) {
@@ -95,6 +120,7 @@ ExecutionRecord load_execution(const std::string& path) {
   record.grid = document.value("grid", Json::object());
   record.precision = document.value("precision", "float");
   record.deformation = document.value("deformation", "elastic");
+  if (document.contains("start")) record.start = start_from(document.at("start"));
   record.omitted = omissions_from(document);
   record.runtime = document.at("runtime");
   return record;
@@ -141,6 +167,7 @@ void save_execution(const std::string& path, const ExecutionRecord& record, cons
   json["grid"] = record.grid;
   json["precision"] = record.precision;
   json["deformation"] = record.deformation;
+  if (record.start) json["start"] = to_json(*record.start);
   json["omitted"] = to_json(record.omitted);
   json["runtime"] = record.runtime;
   save_record(path, "execution", provenance, json);

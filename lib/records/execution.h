@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "records/json.h"
@@ -31,6 +32,16 @@ struct Attempt {
   std::string reason;  // as in the record
   int frames = 0;
   long steps = 0, allowed = 0;  // substeps done, and allowed
+};
+
+// What was found for time.start: equilibrium (mpm/equilibrium.h).
+struct StartRecord {
+  int supported_parts = 0, free_parts = 0;
+  long supported_particles = 0;
+  int iterations = 0, corrections = 0;
+  double residual = 0;        // of gravity, felt by the supported particles in the first substep
+  double largest_strain = 0;  // logarithm of a principal stretch
+  std::vector<std::pair<std::string, long>> limited;  // rows and their particles that bear less than was asked
 };
 
 struct ExecutionRecord {
@@ -64,6 +75,7 @@ struct ExecutionRecord {
   Json grid = Json::object();
   std::string precision = "float";
   std::string deformation = "elastic";  // what the rollout's F is: elastic or total
+  std::optional<StartRecord> start;     // none: from rest, F = I
   std::vector<Omission> omitted;
   Json runtime = Json::object();  // seconds by phase, particle-steps per second, peak memory
 };

@@ -23,6 +23,7 @@ enum Stage : unsigned {
 inline constexpr std::array<const char*, 3> kColliderTypes = {"plane", "box", "sphere"};
 inline constexpr std::array<const char*, 3> kColliderModes = {"sticky", "slip", "separate"};
 inline constexpr std::array<const char*, 2> kTimeRules = {"paper", "cfl"};
+inline constexpr std::array<const char*, 2> kStarts = {"rest", "equilibrium"};
 inline constexpr std::array<const char*, 2> kOcclusions = {"none", "depth"};
 inline constexpr std::array<const char*, 2> kDeformations = {"elastic", "total"};
 
@@ -84,6 +85,10 @@ void visit_fields(Run& run, Visitor& v) {
           "stop: a diverged candidate is a result; cfl: it is simulated once more with the rule cfl");
   v.field("retry_substeps", run.time.retry_substeps, between(1, 1000000000),
           "what that second simulation may take in all; one that needs more is not begun");
+  v.field(
+      "start", choice(run.time.start, kStarts), {},
+      "rest: without stress, F = I, as the paper has it; equilibrium: what is supported carries its weight from the "
+      "first substep on");
 
   v.top();
   v.field("gravity", along_up(run.gravity, run.placement.up_vector()), {},

@@ -39,6 +39,9 @@ struct RunSpecification {
     std::string rule = "paper";          // paper | cfl: what pm-simulate follows
     std::string on_divergence = "stop";  // stop | cfl: a diverged candidate is simulated once more with the cfl rule
     int retry_substeps = 40000;          // that this may take; the paper's rule: at most 800 for each of 50 frames
+    // rest: nothing is stressed at first, F = I, as in the paper. equilibrium: what stands on something carries its
+    // weight from the first substep on, in its captured shape.
+    enum class Start { rest, equilibrium } start = Start::rest;
     double duration() const { return frame_dt * (frames - 1); }
   } time;
 

@@ -155,3 +155,20 @@ setup() { enter_tiny_run; }
   [ "$status" -eq 0 ]
   [ -z "$left" ]
 }
+
+@test "pm-simulate: time.start: equilibrium is recorded, whatever the thread count, and a rest is not" {
+  refute grep '"start"' rollouts/support-stiff.json
+  cp rollouts/support-stiff.h5 rest.h5
+  edit bundle/scene.json 's/"start": "rest"/"start": "equilibrium"/'
+  simulate --threads 1
+  grep -q '"rule": "equilibrium"' rollouts/support-stiff.json
+  for field in supported_parts free_parts supported_particles iterations corrections residual largest_strain limited; do
+    grep -q "\"$field\": " rollouts/support-stiff.json
+  done
+  refute cmp -s rest.h5 rollouts/support-stiff.h5
+  cp rollouts/support-stiff.h5 one.h5
+  simulate --threads 3
+  cmp one.h5 rollouts/support-stiff.h5
+  edit bundle/scene.json 's/"start": "equilibrium"/"start": "standing"/'
+  fails_with 3 simulate -- "/run/time/start" "standing"
+}

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "bind/rollout.h"
+#include "bind/start.h"
 #include "unit/input_error.h"
 #include "unit/temporary_folder.h"
 
@@ -298,4 +299,72 @@ TEST_CASE("bind: a rollout holds the Gaussians' places, velocities and the defor
       for (float& f : F) f = -f;
     CHECK(frame.F == F);
   }
+}
+
+TEST_CASE("bind: Gaussians that begin under load are carried by the deformation since then") {
+  TemporaryFolder folder;
+  const mpm::Mat3d F0 = {{{1.1, 0.02, 0}, {0.02, 0.9, -0.03}, {0, -0.03, 1.05}}};
+  const mpm::Mat3d since = {{{0.5, 0.25, 0}, {-1, 2, 0.125}, {0, 0, 4}}};
+  Provenance provenance;
+  provenance.tool = "test";
+  for (const bool total : {false, true}) {
+    CAPTURE(total);
+    mpm::Options options;
+    options.track_total_F = total;
+    mpm::State state;
+    state.x = state.v = {{1, 2, 3}};
+    bind::RolloutRecorder recorder(folder / "r.h5", 1, options, provenance);
+    recorder.start_from({F0});
+    state.F = {F0};
+    state.total_F = {mpm::identity<double>()};
+    recorder.append({0, 0.0, state});
+    state.F = {since * F0};
+    state.total_F = {since};
+    recorder.append({1, 0.1, state});
+    recorder.commit();
+    const RolloutReader reader(folder / "r.h5", 1);
+    for (int k = 0; k < 9; ++k) {
+      CHECK(reader.frame(0).F[k] == (k % 4 == 0 ? 1.0f : 0.0f));
+      CHECK(reader.frame(1).F[k] == doctest::Approx(since[k / 3][k % 3]).epsilon(1e-6));
+    }
+  }
+}
+
+TEST_CASE("bind: the start is looked for where the run asks, and recorded by the rows' keys") {
+  mpm::Problem p;
+  p.domain.n = 16;
+  p.domain.gravity = {0, 0, -9.8};
+  p.materials = {{mpm::Branch::jelly, 1e5, 0.3, 1000}, {mpm::Branch::sand, 1e5, 0.3, 1000}};
+  mpm::Collider floor;
+  floor.mode = mpm::Collider::Mode::sticky;
+  floor.center = {0, 0, 0.75};
+  p.domain.colliders = {floor};
+  for (int i = 0; i < 8; ++i) {
+    p.particles.position.push_back({0.9 + 0.06 * (i & 1), 0.9 + 0.06 * (i >> 1 & 1), 0.78 + 0.06 * (i >> 2)});
+    p.particles.volume.push_back(0.06 * 0.06 * 0.06);
+    p.particles.row.push_back(0);
+  }
+  RunSpecification::Time time;
+  CHECK_FALSE(bind::bind_start(time, {}, p));
+  CHECK(p.particles.deformation_gradient.empty());
+  time.start = RunSpecification::Time::Start::equilibrium;
+  const std::optional<mpm::Equilibrium> found = bind::bind_start(time, {}, p);
+  REQUIRE(found);
+  CHECK(found->supported_parts == 1);
+  REQUIRE(p.particles.deformation_gradient.size() == 8);
+  CHECK(p.particles.deformation_gradient[0][2].z < 1);
+
+  mpm::Equilibrium e;
+  e.supported_parts = 1, e.free_parts = 2, e.supported_particles = 3, e.iterations = 4, e.corrections = 5;
+  e.residual = 0.6, e.largest_strain = 0.7;
+  e.limited = {0, 8};
+  const StartRecord r = bind::start_record(e, {"pot/rim", "pot/soil"});
+  CHECK(r.supported_parts == 1);
+  CHECK(r.free_parts == 2);
+  CHECK(r.supported_particles == 3);
+  CHECK(r.iterations == 4);
+  CHECK(r.corrections == 5);
+  CHECK(r.residual == 0.6);
+  CHECK(r.largest_strain == 0.7);
+  CHECK(r.limited == std::vector<std::pair<std::string, long>>{{"pot/soil", 8}});
 }
