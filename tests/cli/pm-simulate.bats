@@ -157,7 +157,7 @@ setup() { enter_tiny_run; }
 }
 
 @test "pm-simulate: time.start: equilibrium is recorded, whatever the thread count, and a rest is not" {
-  refute grep '"start"' rollouts/support-stiff.json
+  refute grep '"start": [{]' rollouts/support-stiff.json
   cp rollouts/support-stiff.h5 rest.h5
   edit bundle/scene.json 's/"start": "rest"/"start": "equilibrium"/'
   simulate --threads 1
