@@ -149,6 +149,8 @@ RunSpecification run_for(const ImportOptions& options, Json json, const Gaussian
   }
   // A captured scene may have any material; whoever imports one wants a video rather than the paper's step.
   if (!json.contains("/time/on_divergence"_json_pointer)) json["time"]["on_divergence"] = "cfl";
+  // What stands in a capture has stood, and is not to sag first. Nothing changes for what starts in the air.
+  if (!json.contains("/time/start"_json_pointer)) json["time"]["start"] = "equilibrium";
   RunSpecification run = run_specification_from(json, file, "");
   if (own_colliders) return run;
   const Heights walls = wall_heights(run);

@@ -9,15 +9,31 @@ namespace physmas::mpm {
 
 namespace {
 
-// Zero of a function that falls from low to high, by bisection until no number is between; an end where it has none.
+// Zero of a function that falls from low to high, by regula falsi with the Illinois rule; an end where it has none.
 template <class Function>
 double falling_zero(double low, double high, const Function& value) {
-  for (int step = 0; step < 200; ++step) {
-    const double middle = 0.5 * (low + high);
-    if (middle <= low || middle >= high) break;
-    (value(middle) > 0 ? low : high) = middle;
+  double at_low = value(low), at_high = value(high);
+  if (!(at_low > 0)) return low;
+  if (!(at_high < 0)) return high;
+  double middle = low;
+  for (int step = 0, side = 0; step < 100; ++step) {
+    const double before = middle;
+    middle = low + (high - low) * (at_low / (at_low - at_high));
+    if (std::fabs(middle - before) <= 2 * kEpsilon<double> * std::fabs(middle)) break;
+    const double here = value(middle);
+    if (here > 0) {
+      low = middle, at_low = here;
+      if (side == 1) at_high *= 0.5;
+      side = 1;
+    } else if (here < 0) {
+      high = middle, at_high = here;
+      if (side == -1) at_low *= 0.5;
+      side = -1;
+    } else {
+      break;
+    }
   }
-  return 0.5 * (low + high);
+  return middle;
 }
 
 constexpr double kLow = 1 / kLargestCarriedStretch, kHigh = kLargestCarriedStretch;
