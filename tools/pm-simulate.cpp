@@ -6,11 +6,14 @@
 
 #include "base/command_line.h"
 #include "base/log.h"
+#include "bind/achievement.h"
 #include "bind/execution.h"
 #include "bind/problem.h"
 #include "bind/rollout.h"
 #include "bind/start.h"
+#include "bind/stillness.h"
 #include "bind/timing.h"
+#include "bind/vector.h"
 #include "records/json.h"
 #include "records/scene.h"
 
@@ -67,14 +70,21 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
     const bind::BoundTiming timing = bind::bind_timing(by, run.time, candidate, options.candidate);
     bind::RolloutRecorder rollout(options.out, state.gaussian_count(), solver, provenance);
     rollout.start_from(problem.particles.deformation_gradient);
+    bind::AchievementMeter achievement(candidate, problem, bind::to_mpm(run.placement.up_vector()), run.time.frame_dt);
+    bind::StillnessMeter stillness(candidate, problem);
     Progress progress("frame", timing.timing.frames);
     const mpm::Result result = mpm::run(problem, timing.timing, solver, [&](const mpm::Frame& frame) {
       rollout.append(frame);
+      achievement.observe(frame);
+      stillness.observe(frame);
       progress.update(frame.index + 1);
     });
     if (!only_if_stable || result.status == mpm::Status::stable) rollout.commit();
     speed = result.particle_steps_per_second;
-    return bind::execution_record(candidate, problem, timing, solver, result);
+    ExecutionRecord record = bind::execution_record(candidate, problem, timing, solver, result);
+    record.achieved = achievement.result();
+    record.stillness = stillness.result();
+    return record;
   };
   mpm::Options solver = solver_options(options, common, run);
   ExecutionRecord record = attempt(rule, solver, false);
@@ -90,6 +100,9 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
     record.runtime["seconds"]["start"] = start->seconds;
   }
   save_execution(fs::path(options.out).replace_extension(".json").string(), record, provenance);
+  for (const AchievedAction& action : record.achieved) {
+    if (!action.shortfall.empty() && !record.diverged) log_warning(candidate.id + ": " + bind::shortfall_line(action));
+  }
   if (record.diverged) {
     log_warning(fmt::format("{}: {}", candidate.id, record.divergence->advice));
     return static_cast<int>(options.strict ? ExitCode::diverged : ExitCode::done);

@@ -67,6 +67,37 @@ Json to_json(const StartRecord& start) {
   return json;
 }
 
+std::vector<AchievedAction> achieved_from(const Json& document) {
+  std::vector<AchievedAction> list;
+  for (const Json& json : document.value("achieved", Json::array())) {
+    AchievedAction a;
+    a.type = action_from(json.at("type").get<std::string>());
+    a.rows = json.at("rows").get<std::vector<std::string>>();
+    a.quantity = json.at("quantity").get<std::string>();
+    a.unit = json.at("unit").get<std::string>();
+    a.requested = json.at("requested").get<double>();
+    a.achieved = json.at("achieved").get<double>();
+    a.share = json.at("share").get<double>();
+    a.shortfall = json.value("shortfall", "");
+    list.push_back(std::move(a));
+  }
+  return list;
+}
+
+Json to_json(const AchievedAction& a) {
+  Json json = {{"type", action_name(a.type)}, {"rows", a.rows},         {"quantity", a.quantity}, {"unit", a.unit},
+               {"requested", a.requested},    {"achieved", a.achieved}, {"share", a.share}};
+  if (!a.shortfall.empty()) json["shortfall"] = a.shortfall;
+  return json;
+}
+
+std::optional<Stillness> stillness_from(const Json& document) {
+  const Json json = document.value("stillness", Json());
+  if (json.is_null()) return std::nullopt;
+  return Stillness{json.at("rows").get<std::vector<std::string>>(), json.at("drift").get<double>(),
+                   json.at("share").get<double>()};
+}
+
 }  // namespace
 
 ExecutionRecord load_execution(const std::string& path) {
@@ -116,6 +147,8 @@ ExecutionRecord load_execution(const std::string& path) {
   record.retries = steps.value("retries", 0L);
   record.discarded_steps = steps.value("discarded", 0L);
   record.frames = document.at("frames").get<int>();
+  record.achieved = achieved_from(document);
+  record.stillness = stillness_from(document);
   record.particles = document.value("particles", 0L);
   record.grid = document.value("grid", Json::object());
   record.precision = document.value("precision", "float");
@@ -163,6 +196,13 @@ void save_execution(const std::string& path, const ExecutionRecord& record, cons
       {"dt", record.dt},           {"smallest_dt", record.smallest_dt},      {"largest_dt", record.largest_dt},
       {"retries", record.retries}, {"discarded", record.discarded_steps}};
   json["frames"] = record.frames;
+  json["achieved"] = Json::array();
+  for (const AchievedAction& action : record.achieved) json["achieved"].push_back(to_json(action));
+  json["stillness"] = Json();
+  if (record.stillness) {
+    json["stillness"] = {
+        {"rows", record.stillness->rows}, {"drift", record.stillness->drift}, {"share", record.stillness->share}};
+  }
   json["particles"] = record.particles;
   json["grid"] = record.grid;
   json["precision"] = record.precision;

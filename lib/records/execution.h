@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "records/actions.h"
 #include "records/json.h"
 
 namespace physmas {
@@ -44,6 +45,24 @@ struct StartRecord {
   std::vector<std::pair<std::string, long>> limited;  // rows and their particles that bear less than was asked
 };
 
+// What an action of the schedule asked for and what it reached (docs/actions.md, "What was achieved").
+struct AchievedAction {
+  ActionType type = ActionType::translation;
+  std::vector<std::string> rows;  // keys of what it was measured on
+  std::string quantity;           // angle | displacement | ratio | speed | spread | drift
+  std::string unit;               // rad, m, m/s; empty: a ratio
+  double requested = 0, achieved = 0;
+  double share = 0;       // of the request that was met, 0..1
+  std::string shortfall;  // where much is missing: why, and what to change; else empty
+};
+
+// Rows that nothing moved or touched, and that stood on something: how far they drifted all the same.
+struct Stillness {
+  std::vector<std::string> rows;  // keys
+  double drift = 0;               // m: mean over a row's particles, of the row that drifted most
+  double share = 0;               // 1: none; 0: a tenth of the scene's longest side or more
+};
+
 struct ExecutionRecord {
   std::string candidate;
   int exit = 0, signal = 0;  // how the process ended
@@ -71,6 +90,8 @@ struct ExecutionRecord {
   double smallest_dt = 0, largest_dt = 0;  // s
   long retries = 0, discarded_steps = 0;   // cfl: chunks done again with a smaller step, and substeps thrown away
   int frames = 0;
+  std::vector<AchievedAction> achieved;  // one per action of the schedule, in its order
+  std::optional<Stillness> stillness;    // none: no row was to stand still
   long particles = 0;
   Json grid = Json::object();
   std::string precision = "float";

@@ -50,6 +50,49 @@ runs_as() { # PROMPT ACTION...
   runs_as "hold the stick and spin the candy" torque support_hold
 }
 
+# achieved KEY: that of every action in the record, one per line.
+achieved() { python3 -c 'import json, sys; [print(a.get(sys.argv[1], "")) for a in json.load(open("rollouts/support-stiff.json"))["achieved"]]' "$1"; }
+
+@test "actions: what each achieved stands beside its request" {
+  run_prompt "push the lollipop to the left at 1 m\/s for 0.2 s"
+  [ "$(achieved type)" = translation ]
+  [ "$(achieved quantity)" = displacement ]
+  [ "$(achieved rows)" = "['lollipop/candy', 'lollipop/stick']" ]
+  [ "$(achieved requested)" = 0.2 ]
+  # Enforced: what was asked is what happens, to the rounding of float.
+  python3 -c "assert abs($(achieved achieved) - 0.2) < 1e-5 and $(achieved share) > 0.9999"
+  [ -z "$(achieved shortfall)" ]
+  grep -q '"stillness": null' rollouts/support-stiff.json
+
+  # The run is over before the action: one line says so.
+  run_prompt "push the lollipop to the left at 1 m\/s for 0.3 s"
+  cp rollouts/support-stiff.json whole.json
+  "$bin/pm-simulate" --log-level warning --scene bundle/scene.json --state state.h5 --candidate candidates/support-stiff.json --out rollouts/support-stiff.h5 --frames 3 2>err
+  [ "$(wc -l <err)" -eq 1 ]
+  grep -q 'support-stiff: translation of lollipop/candy, lollipop/stick: displacement 0.08 of 0.3 m: the run ended before its end' err
+  achieved shortfall | grep -q 'the run ended before its end'
+}
+
+@test "actions: a plan without actions leaves what stands to be still" {
+  python3 - <<'PY'
+import json
+d = json.load(open("bundle/scene.json"))
+d["run"]["gravity"] = [0, 0, 0]
+json.dump(d, open("bundle/scene.json", "w"))
+PY
+  simulate --quiet --frames 4
+  [ -z "$(achieved type)" ]
+  python3 - <<'PY'
+import json
+still = json.load(open("rollouts/support-stiff.json"))["stillness"]
+assert still["rows"] == ["lollipop/candy", "lollipop/stick"], still
+assert still["drift"] == 0 and still["share"] == 1, still
+PY
+  # What an action moves, or touches while it moves, is not among it.
+  run_prompt "push the candy to the left"
+  grep -q '"stillness": null' rollouts/support-stiff.json
+}
+
 @test "actions: equal input gives equal bytes for any number of threads" {
   run_prompt "twist the lollipop"
   before=$(sha256sum <rollouts/support-stiff.h5)

@@ -69,6 +69,14 @@ TEST_CASE("records: an execution keeps every field") {
   r.dt = 0.125, r.smallest_dt = 0.0625, r.largest_dt = 0.25;
   r.retries = 130, r.discarded_steps = 131;
   r.frames = 132;
+  AchievedAction action;
+  action.type = ActionType::torque;
+  action.rows = {"guitar/neck"};
+  action.quantity = "angle", action.unit = "rad";
+  action.requested = 155.5, action.achieved = 156.5, action.share = 0.157;
+  action.shortfall = "too stiff";
+  r.achieved = {action};
+  r.stillness = Stillness{{"guitar/stand"}, 158.5, 0.159};
   r.particles = 133;
   r.grid = {{"n", 134}};
   r.precision = "double";
@@ -76,15 +84,17 @@ TEST_CASE("records: an execution keeps every field") {
   r.omitted = {{"a step", "no time"}};
   r.runtime = {{"threads", 135}};
   r.start = StartRecord{201, 202, 203, 204, 205, 0.206, 207.5, {{"vase/lip", 208}}};
-  check_kept([&](const std::string& path) { save_execution(path, r, test_provenance()); },
-             [](const std::string& path) { save_execution(path, load_execution(path), test_provenance()); },
-             {"soft",  "101",   "102",    "diverged", "speed",  "it flew apart", "103",      "104.5",
-              "0.105", "1.065", "107.5",  "108.5",    "109.5",  "110.5",         "111.5",    "112.5",
-              "113.5", "114.5", "115.5",  "116.5",    "117.5",  "118.5",         "119.5",    "steps",
-              "120.5", "121.5", "122.5",  "136.5",    "145.5",  "153.5",         "127",      "cfl",
-              "128",   "129",   "0.125",  "0.0625",   "0.25",   "130",           "131",      "132",
-              "133",   "134",   "double", "total",    "a step", "no time",       "135",      "201",
-              "202",   "203",   "204",    "205",      "0.206",  "207.5",         "vase/lip", "208"});
+  check_kept(
+      [&](const std::string& path) { save_execution(path, r, test_provenance()); },
+      [](const std::string& path) { save_execution(path, load_execution(path), test_provenance()); },
+      {"soft",      "101",          "102",      "diverged",    "speed", "it flew apart", "103",    "104.5", "0.105",
+       "1.065",     "107.5",        "108.5",    "109.5",       "110.5", "111.5",         "112.5",  "113.5", "114.5",
+       "115.5",     "116.5",        "117.5",    "118.5",       "119.5", "steps",         "120.5",  "121.5", "122.5",
+       "136.5",     "145.5",        "153.5",    "127",         "cfl",   "128",           "129",    "0.125", "0.0625",
+       "0.25",      "130",          "131",      "132",         "133",   "134",           "double", "total", "a step",
+       "no time",   "135",          "torque",   "guitar/neck", "angle", "\"rad\"",       "155.5",  "156.5", "0.157",
+       "too stiff", "guitar/stand", "158.5",    "0.159",       "201",   "202",           "203",    "204",   "205",
+       "0.206",     "207.5",        "vase/lip", "208"});
 }
 
 TEST_CASE("records: a rendering keeps every field") {
