@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "base/constants.h"
+#include "bind/schedule.h"
 #include "bind/vector.h"
-#include "mpm/action/region.h"
 #include "mpm/action/region_motion.h"
 #include "records/labels.h"
 
@@ -129,8 +129,8 @@ struct AchievementMeter::Meter {
   double achieved = 0;
 
  private:
-  void choose(const mpm::Particles& rest, const Vec3d& up);
-  void ask(const std::vector<ScheduleOperation>& schedule, const mpm::Particles& rest);
+  mpm::Region choose(const mpm::Particles& rest, const Vec3d& up);
+  void ask(const std::vector<ScheduleOperation>& schedule, const mpm::Region& region);
   Places places(const std::vector<int>& list, const mpm::Frame& frame, double ahead) const;
   Vec3d mean_velocity(const mpm::Frame& frame) const;
   void begin(const mpm::Frame& frame);
@@ -147,12 +147,11 @@ AchievementMeter::Meter::Meter(const ScheduleOperation& operation, const Candida
       quantity(quantity_of(operation.kind)),
       material(stiffest(operation.rows, candidate)),
       gravity(problem.domain.gravity) {
-  choose(problem.particles, up);
-  ask(candidate.schedule, problem.particles);
+  ask(candidate.schedule, choose(problem.particles, up));
 }
 
-// The particles that are measured, and the axis.
-void AchievementMeter::Meter::choose(const mpm::Particles& rest, const Vec3d& up) {
+// The particles that are measured, and the axis; returns where the former lie.
+mpm::Region AchievementMeter::Meter::choose(const mpm::Particles& rest, const Vec3d& up) {
   const Vec3d direction = to_mpm(op.direction);
   rows = op.rows;
   axis = unit(to_mpm(op.velocity));
@@ -187,15 +186,12 @@ void AchievementMeter::Meter::choose(const mpm::Particles& rest, const Vec3d& up
   extent = region.extent.length();
   if (op.kind == Kind::side_compress || op.kind == Kind::scale)
     far_end = mpm::select_slab(rows, direction, fraction, rest).particles;
+  return region;
 }
 
 // What the action asks for over its interval, and how much of that its speed limit leaves.
-void AchievementMeter::Meter::ask(const std::vector<ScheduleOperation>& schedule, const mpm::Particles& rest) {
+void AchievementMeter::Meter::ask(const std::vector<ScheduleOperation>& schedule, const mpm::Region& region) {
   const double duration = op.end - op.start;
-  const double radius =
-      op.kind == Kind::torque || op.kind == Kind::radial_spread
-          ? mpm::select_slab(op.rows, axis, op.kind == Kind::torque ? op.slab_fraction : 1, rest).radius
-          : 0;
   const auto ratio_within = [&](double ratio, double change_limit) {
     const double most = extent > 0 ? change_limit * duration / extent : 0;
     return 1 + std::clamp(ratio - 1, -most, most);
@@ -203,13 +199,13 @@ void AchievementMeter::Meter::ask(const std::vector<ScheduleOperation>& schedule
   switch (op.kind) {
     case Kind::torque:
       requested = op.rate * duration;
-      reachable = requested * std::min(1.0, op.speed_limit / std::max(std::abs(op.rate) * radius, 1e-300));
+      reachable = bounded_rate(bind_torque(op), region) * duration;
       break;
     case Kind::impulse:
       requested = reachable = op.velocity.norm();
       break;
     case Kind::radial_spread:
-      requested = reachable = radius > 0 ? 1 + op.speed_limit * duration / radius : 1;
+      requested = reachable = region.radius > 0 ? 1 + op.speed_limit * duration / region.radius : 1;
       break;
     case Kind::support_hold:
       requested = reachable = 0;
@@ -319,12 +315,20 @@ std::string AchievementMeter::Meter::shortfall() const {
   if (!ended) return "the run ended before its end; give it less time or the run more frames";
   const double from = quantity == "ratio" || quantity == "spread" ? 1 : 0;
   if (std::abs(reachable - from) < kMet * std::abs(requested - from)) {
-    return fmt::format("it is bounded to {:.3g} {} by its speed limit of {:.3g} m/s; give it more time or ask for less",
-                       reachable, unit_of(quantity), op.speed_limit);
+    if (op.enforced) {
+      return fmt::format(
+          "it is bounded to {:.3g} of that, so that nothing breaks or is thrown (speed {:.3g} m/s, shear "
+          "{:.3g}); give it more time or ask for less",
+          (reachable - from) / (requested - from), op.speed_limit, op.strain_limit);
+    }
+    return fmt::format(
+        "its speed is bounded to {:.3g} m/s, which leaves {:.3g} of it; give it more time or ask for less",
+        op.speed_limit, (reachable - from) / (requested - from));
   }
   const unsigned fields = operation_fields(op.kind);
-  if ((fields & kHasBlendTime) && op.kind != Kind::drag_pair && op.blend_time > 0) {
-    return fmt::format("its bounded force does not move {}; choose a softer material", material);
+  if ((fields & kHasBlendTime) && op.kind != Kind::drag_pair && !op.enforced) {
+    return fmt::format("its bounded force does not move {}; choose a softer material{}", material,
+                       op.kind == Kind::torque ? ", or controls.stiff=enforced" : "");
   }
   if (op.kind == Kind::impulse)
     return "what it hit is held back by what it is fixed to or rests on; hit harder, or a part that is free";

@@ -11,6 +11,9 @@ namespace physmas::bind {
 // Operations in their order. A scale becomes two slabs, a drag_pair its puller and, when something follows, a follower.
 mpm::Schedule bind_schedule(const Candidate& candidate, const RunSpecification& run);
 
+// An operation of kind torque.
+mpm::Torque bind_torque(const ScheduleOperation& operation);
+
 }  // namespace physmas::bind
 
 #endif

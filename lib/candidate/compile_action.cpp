@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "candidate/stiff_rows.h"
+
 namespace physmas::candidate {
 namespace {
 
@@ -16,6 +18,8 @@ constexpr double kTorqueSpeed = 1.5;          // m/s
 constexpr double kBlendTime = 2e-3;           // s
 constexpr double kSqueezeTime = 5e-4;         // s, side_compress
 constexpr double kPositionWeight = 0.1;       // radial_spread, side_compress
+constexpr double kRelease = 0.25;             // s
+constexpr double kStrainLimit = 1;            // of an enforced torque
 constexpr double kInterfaceDistance = 0.045;  // m, as d_b of the interface retention
 
 using Rows = std::vector<ActiveRow>;
@@ -45,6 +49,7 @@ class ActionCompiler {
     op_.start = action_.start;
     op_.end = std::min(action_.end, context_.run.time.duration());
     op_.direction = action_.direction;
+    if (!context_.run.controls.literal_release) op_.release = kRelease;
     const bool has_source = !action_.source.empty();
     const Rows rows = has_source ? active_rows(action_.source, "/source") : active_rows(action_.target, "/target");
     op_.rows = indices(rows);
@@ -139,6 +144,9 @@ class ActionCompiler {
     op_.slab_fraction = action_.slab ? kSlabFraction : 1;
     op_.speed_limit = kTorqueSpeed;
     op_.blend_time = kBlendTime;
+    op_.strain_limit = kStrainLimit;
+    // What turns freely goes on turning.
+    if (!is_attached(context_, op_)) op_.release = 0;
   }
 
   // Eligible are a row that was named, the supports of an object, and without supports its slab at `direction`.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "candidate/compile_action.h"
+#include "candidate/stiff_rows.h"
 
 namespace physmas::candidate {
 namespace {
@@ -37,6 +38,8 @@ std::vector<ScheduleOperation> compile_schedule(const Context& context, const Co
       continue;
     }
     ScheduleOperation op = compile_action(context, action, plan_file, pointer);
+    if (op.kind == Kind::torque && !context.run.controls.blend_stiff)
+      op.enforced = resists_blending(context, configuration.rows, op);
     op.start_step = first_step(op.start, timestep.dt);
     // However short, an action acts for one step.
     op.end_step = std::max(first_step(op.end, timestep.dt), op.start_step + 1);

@@ -41,7 +41,9 @@ enum OperationField : unsigned {
   kHasFollow = 512,
   kHasProjection = 1024,
   kHasNeighbours = 2048,
-  kHasEverything = 4095
+  kHasRelease = 4096,
+  kHasDrive = 8192,
+  kHasEverything = 16383
 };
 
 struct ActionLine {
@@ -58,22 +60,24 @@ struct ActionLine {
 
 inline constexpr std::array<ActionLine, kActionCount> kActions = {{
     {ActionType::translation, "translation", kHasVelocity | kHasInterval, true, " m/s", 0.6, 0.05, 3, 0, 0.5},
-    {ActionType::top_press, "top_press", kHasVelocity | kHasInterval | kHasSlab, true, " m/s", 0.15, 0.02, 0.6, 0.1,
-     0.6},
+    {ActionType::top_press, "top_press", kHasVelocity | kHasInterval | kHasSlab | kHasRelease, true, " m/s", 0.15, 0.02,
+     0.6, 0.1, 0.6},
     {ActionType::radial_spread, "radial_spread", kHasInterval | kHasSpeedLimit | kHasBlendTime | kHasPositionWeight,
      false, " m/s", 0.3, 0.05, 1.5, 0.1, 0.6},
-    {ActionType::vertical_compress, "vertical_compress", kHasInterval | kHasRatio | kHasSpeedLimit, false, "", 0.6, 0.2,
-     1, 0.1, 0.6},
+    {ActionType::vertical_compress, "vertical_compress", kHasInterval | kHasRatio | kHasSpeedLimit | kHasRelease, false,
+     "", 0.6, 0.2, 1, 0.1, 0.6},
     {ActionType::side_compress, "side_compress",
-     kHasDirection | kHasInterval | kHasSlab | kHasRatio | kHasSpeedLimit | kHasBlendTime | kHasPositionWeight, true,
-     "", 0.65, 0.2, 1, 0.1, 0.6},
+     kHasDirection | kHasInterval | kHasSlab | kHasRatio | kHasSpeedLimit | kHasBlendTime | kHasPositionWeight |
+         kHasRelease,
+     true, "", 0.65, 0.2, 1, 0.1, 0.6},
     {ActionType::drag_pair, "drag_pair",
      kHasVelocity | kHasDirection | kHasInterval | kHasSlab | kHasBlendTime | kHasFollow | kHasNeighbours, true, " m/s",
      0.4, 0.05, 2, 0, 0.5},
-    {ActionType::scale, "scale", kHasDirection | kHasInterval | kHasSlab | kHasRatio | kHasSpeedLimit, false, "", 1.5,
-     0.3, 3, 0.1, 0.6},
+    {ActionType::scale, "scale", kHasDirection | kHasInterval | kHasSlab | kHasRatio | kHasSpeedLimit | kHasRelease,
+     false, "", 1.5, 0.3, 3, 0.1, 0.6},
     {ActionType::impulse, "impulse", kHasVelocity | kHasInterval, true, " m/s", 1.5, 0.1, 6, 0.1, 0},
-    {ActionType::torque, "torque", kHasDirection | kHasInterval | kHasSlab | kHasRate | kHasSpeedLimit | kHasBlendTime,
+    {ActionType::torque, "torque",
+     kHasDirection | kHasInterval | kHasSlab | kHasRate | kHasSpeedLimit | kHasBlendTime | kHasDrive | kHasRelease,
      false, " rad/s", 2, 0.2, 12, 0.1, 0.6},
     {ActionType::support_hold, "support_hold", kHasDirection | kHasInterval | kHasSlab, false, " m/s", 0, 0, 0, 0, 1},
 }};

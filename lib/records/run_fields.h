@@ -130,6 +130,13 @@ void visit_fields(Run& run, Visitor& v) {
       "structure projection. literal: the rest shape is not turned, as the paper prints it; rigid: it turns with the "
       "row");
 
+  v.section("controls", kCandidates, "");
+  v.field("release", choice(run.controls.literal_release, kReleases), {},
+          "how presses, squeezes, twists and stretches end. hand: what springs back is held by a hand that goes back; "
+          "literal: it is let go at once");
+  v.field("stiff", choice(run.controls.blend_stiff, kStiffDrives), {},
+          "twists of rows too stiff for a bounded force. enforced: they are turned all the same; blended: they resist");
+
   v.section("transport", kSimulate, "");
   v.field("deformation", choice(run.transport.total, kDeformations), {},
           "what carries the Gaussians. elastic: F after the return map; total: without return maps");

@@ -89,6 +89,13 @@ struct RunSpecification {
     bool rigid = false;  // structure projection turns with the row; false: the paper's, which un-rotates a support
   } projection;
 
+  // How actions act beyond the paper's table (docs/actions.md).
+  struct Controls {
+    bool literal_release =
+        false;                 // what was pressed, twisted or stretched is let go in one substep; false: as by a hand
+    bool blend_stiff = false;  // a twist is a bounded force also on rows that it cannot move; false: they are turned
+  } controls;
+
   struct Transport {
     bool total = false;  // Gaussians are carried by the total deformation; false: by the elastic one, as the paper does
   } transport;
@@ -122,6 +129,9 @@ struct RunSpecification {
 inline constexpr std::array<const char*, 2> kProjectionModes = {"literal", "rigid"};
 
 // Reads a `run` object that its schema already accepted; absent fields keep their defaults. Checks what a schema
+// Of Controls::literal_release and ::blend_stiff, false and true.
+inline constexpr std::array<const char*, 2> kReleases = {"hand", "literal"};
+inline constexpr std::array<const char*, 2> kStiffDrives = {"enforced", "blended"};
 // cannot (a collider's fields fit its type, normals are not zero, placement fits the cube, steps are consistent).
 // file, pointer: where `json` stands, for messages.
 RunSpecification run_specification_from(const Json& json, const std::string& file, const std::string& pointer);

@@ -38,6 +38,17 @@ void visit_fields(Operation& op, unsigned fields, Visitor& visitor) {
                   "seconds in which a blend takes away 63 % of a difference in velocity");
   if (fields & kHasPositionWeight)
     visitor.field("position_weight", op.position_weight, kUnit, "share of the field in the motion of places");
+  if (fields & kHasDrive) {
+    visitor.field("drive", choice(op.enforced, kDriveNames), {},
+                  "torque: blended, a bounded force (default), or enforced where rows are too stiff for it");
+    visitor.field(
+        "strain_limit", op.strain_limit, kPositive,
+        "of an enforced torque: largest angle x radius / length between the slabs; its rate is lowered to it");
+  }
+  if (fields & kHasRelease)
+    visitor.field("release", op.release, kNotNegative,
+                  "seconds after end in which the hand goes back to where it began and holds back what overtakes it; 0 "
+                  "(default): it vanishes");
   if (fields & kHasFollow) {
     visitor.field("follow", choice(op.follow, kFollowNames), {},
                   "drag_pair: what of the neighbours follows the puller");
@@ -54,7 +65,12 @@ void visit_fields(Operation& op, unsigned fields, Visitor& visitor) {
                   "drag_pair: rows that may follow; interface_retention: rows whose particles may be bonded");
 }
 
-// A reader that needs every field but the mode.
+// Fields that files of an earlier version do not have.
+bool optional(const std::string& name) {
+  return name == "mode" || name == "drive" || name == "strain_limit" || name == "release";
+}
+
+// A reader that needs every other field.
 class OperationReader {
  public:
   OperationReader(const Json& json, const std::string& file, const std::string& pointer)
@@ -63,7 +79,7 @@ class OperationReader {
   void field(const char* name, T&& value, const Rule&, const char*) {
     if (json_.contains(name)) {
       read_field(json_.at(name), value);
-    } else if (std::string(name) != "mode") {
+    } else if (!optional(name)) {
       throw invalid_field(file_, pointer_, json_,
                           std::string("the field ") + name + " of " + json_.at("operation").get<std::string>());
     }

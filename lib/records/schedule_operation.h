@@ -3,6 +3,7 @@
 #define PHYSMAS_RECORDS_SCHEDULE_OPERATION_H
 
 #include <Eigen/Core>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct ScheduleOperation {
   double speed_limit = 1;      // m/s
   double blend_time = 2e-3;    // s
   double position_weight = 0;  // share of the field in the motion of places
+  bool enforced = false;       // torque: not blended (run specification, controls.stiff)
+  double strain_limit = 1;     // of an enforced torque: shear between its slab and the other end
+  double release = 0;          // s after `end` in which a hand goes back; 0: it vanishes
   Follow follow = Follow::none;
   double distance = 0;          // m: how far the interface of drag_pair reaches
   std::vector<int> neighbours;  // drag_pair: rows that follow; interface_retention: rows that may be bonded
@@ -34,6 +38,9 @@ struct ScheduleOperation {
   bool rigid = false;           // structure_projection: turns with the row (run specification, projection.mode)
   bool is_action() const { return kind < Kind::structure_projection; }
 };
+
+// How a torque moves its particles; the names of ScheduleOperation::enforced, false and true.
+inline constexpr std::array<const char*, 2> kDriveNames = {"blended", "enforced"};
 
 // json: an entry of /schedule that its schema accepted. A field that the kind needs and that is missing, or a value
 // that makes no sense, is an Error (exit code 3). file, pointer: where it stands.

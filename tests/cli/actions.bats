@@ -93,6 +93,34 @@ PY
   grep -q '"stillness": null' rollouts/support-stiff.json
 }
 
+# set_run KEY JSON: a section of the scene's run specification.
+set_run() {
+  python3 - "$1" "$2" <<'PY'
+import json, sys
+d = json.load(open("bundle/scene.json"))
+d["run"][sys.argv[1]] = json.loads(sys.argv[2])
+json.dump(d, open("bundle/scene.json", "w"))
+PY
+}
+
+@test "actions: what is too stiff for a bounded force is turned all the same; where it shall not be, a line says so" {
+  run_prompt "twist the lollipop"
+  grep -q '"drive": "enforced"' candidates/support-stiff.json
+  grep -q '"release": 0.25' candidates/support-stiff.json
+  python3 -c "assert $(achieved share | head -1) > 0.99"
+  [ -z "$(achieved shortfall)" ]
+  set_run controls '{"stiff": "blended", "release": "literal"}'
+  make_candidates
+  grep -q '"drive": "blended"' candidates/support-stiff.json
+  grep -q '"release": 0.0' candidates/support-stiff.json
+  simulate --frames 8 --log-level warning 2>err
+  [ "$(wc -l <err)" -eq 1 ]
+  grep -q 'support-stiff: torque of lollipop/candy, lollipop/stick: angle .* its bounded force does not move Metal of 1e+07 Pa; choose a softer material, or controls.stiff=enforced' err
+  python3 -c "assert $(achieved share | head -1) < 0.5"
+  set_run controls '{"stiff": "broken"}'
+  fails_with 3 simulate -- "/run/controls/stiff" "broken"
+}
+
 @test "actions: equal input gives equal bytes for any number of threads" {
   run_prompt "twist the lollipop"
   before=$(sha256sum <rollouts/support-stiff.h5)

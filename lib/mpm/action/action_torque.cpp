@@ -6,18 +6,40 @@ Region select_region(const Torque& action, const Particles& rest) {
   return select_slab(action.rows, action.axis, action.slab_fraction, rest);
 }
 
-void add_control(const Torque& action, const Region& region, double time, double dt, Control& control) {
-  if (!covers(action.start, action.end, time, dt)) return;
-  Control field;
-  field.axis = (1 / norm(action.axis)) * action.axis;
+double bounded_rate(const Torque& action, const Region& region) {
   // The outermost particle sets the rate, so that a bounded rotation is still that of a rigid body.
   const double fastest = std::fabs(action.rate) * region.radius;
-  const Vec3d w = (fastest > action.speed_limit ? action.speed_limit / fastest : 1) * action.rate * field.axis;
+  double share = fastest > action.speed_limit ? action.speed_limit / fastest : 1;
+  // Two slabs and what lies between them.
+  const double between = (1 - 2 * action.slab_fraction) * region.extent.length();
+  const double strain = between > 0 ? fastest * (action.end - action.start) / between : 0;
+  if (strain > action.strain_limit) share = std::fmin(share, action.strain_limit / strain);
+  return share * action.rate;
+}
+
+void add_control(const Torque& action, const Region& region, double time, double dt, Control& control) {
+  const bool turns = covers(action.start, action.end, time, dt);
+  if (!turns && !(action.release > 0 && covers(action.end, action.end + action.release, time, dt))) return;
+  Control field;
+  field.axis = (1 / norm(action.axis)) * action.axis;
+  double rate = bounded_rate(action, region);
+  if (!turns) {
+    const auto way = [&](double t) { return retreat_way(action.end, action.release, t); };
+    rate *= -(action.end - action.start) * (way(time + dt) - way(time)) / dt;
+  }
+  const Vec3d w = rate * field.axis;
   field.center = region.center;
   field.gradient = {{{0, -w.z, w.y}, {w.z, 0, -w.x}, {-w.y, w.x, 0}}};
-  field.speed_limit = action.speed_limit;
-  field.blend.across = blend_weight(dt, action.blend_time);
-  follow(field, control);
+  if (turns) {
+    field.speed_limit = action.speed_limit;
+    field.blend.across = action.enforced ? 1 : blend_weight(dt, action.blend_time);
+    follow(field, control);
+  } else {
+    // The slab's centre may have gone elsewhere, so the limit is not that of the radius at rest.
+    field.speed_limit = 2 * std::fabs(rate) * region.radius;
+    field.blend.across = 1;
+    give_way(field, control);
+  }
 }
 
 }  // namespace physmas::mpm

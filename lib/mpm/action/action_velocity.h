@@ -18,18 +18,22 @@ struct Translation {
 };
 
 // The slab of the rows at one end of them at rest moves with `velocity` during [start, end). A top_press has `towards`
-// up and a velocity against it; a support_hold has velocity 0.
+// up and a velocity against it; a support_hold has velocity 0. A press ends as a hand's does: over [end, end + release)
+// the hand goes back along `velocity` to where it began, and the slab may not overtake it; so it springs back no
+// faster.
 struct SlabMotion {
   std::vector<int> rows;
   Vec3d velocity = {0, 0, 0};   // m/s
   Vec3d towards = {0, 0, 1};    // the end, any length > 0
   double slab_fraction = 0.15;  // slab thickness over the rows' rest extent along `towards`, 0..1
   double start = 0, end = 0;    // s
+  double release = 0;           // s, 0: the hand vanishes at the end
 };
 using TopPress = SlabMotion;
 
 // One of the two slabs of a scale; the other has the opposite axis. It moves along `axis` so fast that both together
-// bring the rows' extent to `ratio` times its rest value at `end`, but never faster than `speed_limit`.
+// bring the rows' extent to `ratio` times its rest value at `end`, but never faster than `speed_limit`. Over [end, end
+// + release) the slab is let back to where it began, no faster than a hand goes.
 struct ScaleSlab {
   std::vector<int> rows;
   Vec3d axis = {1, 0, 0};       // towards the slab, any length > 0
@@ -37,6 +41,7 @@ struct ScaleSlab {
   double slab_fraction = 0.15;  // as SlabMotion
   double speed_limit = 1;       // m/s
   double start = 0, end = 0;    // s
+  double release = 0;           // s, as SlabMotion
 };
 
 // The particles that an action moves; chosen at rest, once.

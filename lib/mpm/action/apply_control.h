@@ -29,11 +29,12 @@ struct LaneControls {
   V along, across;                    // blend
   V position_along, position_across;  // position increment
   Vec3<V> change;
+  V brake;  // 1: the weights hold for particles that are faster than the field; 0: for all
 };
 
 namespace control_detail {
 
-constexpr int kNumbers = 3 + 9 + 1 + 3 + 4 + 3;
+constexpr int kNumbers = 3 + 9 + 1 + 3 + 4 + 3 + 1;
 
 // A control in the order of LaneControls. origin: the block's first node [m].
 template <class T>
@@ -47,6 +48,7 @@ void write_numbers(const Control& c, const Vec3d& origin, T* out) {
   for (int a = 0; a < 3; ++a) *out++ = T(c.axis[a]);
   for (const double weight : {c.blend.along, c.blend.across, c.position.along, c.position.across}) *out++ = T(weight);
   for (int a = 0; a < 3; ++a) *out++ = T(c.change[a]);
+  *out++ = T(c.brake ? 1 : 0);
 }
 
 // next: gives the numbers one after the other, all lanes.
@@ -63,6 +65,7 @@ PHYSMAS_INLINE LaneControls<T> read_numbers(double dx, const Next& next) {
   c.along = next(), c.across = next();
   c.position_along = next(), c.position_across = next();
   for (int a = 0; a < 3; ++a) c.change[a] = next();
+  c.brake = next();
   return c;
 }
 
@@ -135,6 +138,12 @@ PHYSMAS_INLINE Field<V> field_at(const LaneControls<T>& c, const Vec3<V>& x) {
   return {scale * free, scale * c.gradient};
 }
 
+// Of a weight, what holds for a particle of velocity v.
+template <class T, class V = Lanes<T>>
+PHYSMAS_INLINE V held_back(const LaneControls<T>& c, const Field<V>& field, const Vec3<V>& v, const V& weight) {
+  return select(c.brake > V(0) && dot(v, field.velocity) <= dot(field.velocity, field.velocity), V(0), weight);
+}
+
 }  // namespace control_detail
 
 // Before P2G: velocity and affine state move to the field by the blend weights, then the force's share is added.
@@ -145,8 +154,10 @@ double blend_controls(const LaneControls<T>& c, const Vec3<Lanes<T>>& x, const L
   using V = Lanes<T>;
   const auto field = control_detail::field_at(c, x);
   const V before = dot(v, v);
-  v = control_detail::blended(v, field.velocity, c.axis, c.along, c.across) + c.change;
-  C = control_detail::blended(C, field.gradient, c.axis, c.along, c.across);
+  const V along = control_detail::held_back(c, field, v, c.along);
+  const V across = control_detail::held_back(c, field, v, c.across);
+  v = control_detail::blended(v, field.velocity, c.axis, along, across) + c.change;
+  C = control_detail::blended(C, field.gradient, c.axis, along, across);
   const V gain = V(T(0.5)) * mass * (dot(v, v) - before);
   return double(stdx::reduce(at_least(gain, V(0))));
 }
@@ -166,10 +177,12 @@ ForcedMotion<Lanes<T>> force_motion(const LaneControls<T>& c, const Vec3<Lanes<T
                                     Vec3<Lanes<T>>& v, Mat3<Lanes<T>>& C, double& work) {
   using V = Lanes<T>;
   using control_detail::blended;
+  using control_detail::held_back;
   const auto field = control_detail::field_at(c, x);
   const V before = dot(v, v);
   const Mat3<V> free = C;
-  const V along = select(c.along >= V(1), V(1), V(0)), across = select(c.across >= V(1), V(1), V(0));
+  const V along = held_back(c, field, v, select(c.along >= V(1), V(1), V(0)));
+  const V across = held_back(c, field, v, select(c.across >= V(1), V(1), V(0)));
   v = blended(v, field.velocity, c.axis, along, across);
   C = blended(C, field.gradient, c.axis, along, across);
   const V gain = V(T(0.5)) * mass * (dot(v, v) - before);

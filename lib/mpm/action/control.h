@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/constants.h"
 #include "mpm/math/mat3.h"
 
 namespace physmas::mpm {
@@ -19,6 +20,10 @@ namespace physmas::mpm {
 // - `position` is the share by which the particle's place (and its F with it) follows the field instead of its own
 //   velocity after G2P: the bounded position increment. Its speed is at most position × speed_limit.
 //
+// A `brake` holds back only what overtakes the field: on a particle that is not faster than v* in the direction of v*,
+// its weights are 0. A field that shrinks back with it lets stored energy out at its own pace, and leaves alone what
+// stays behind.
+//
 // `change` is added to the velocity before P2G, which is a force mass × change / dt.
 struct Control {
   struct Weight {
@@ -30,6 +35,7 @@ struct Control {
   double speed_limit = std::numeric_limits<double>::infinity();  // m/s; finite wherever `gradient` is not zero
   Vec3d axis = {0, 0, 1};                                        // unit
   Weight blend, position;
+  bool brake = false;
   Vec3d change = {0, 0, 0};  // m/s in this substep
 
   bool follows() const { return blend.along > 0 || blend.across > 0 || position.along > 0 || position.across > 0; }
@@ -52,21 +58,49 @@ inline void enforce(const Vec3d& velocity, Control& control) {
 
 // One field acts on a particle at a time: an enforced one wins over a blended one, and the later over the earlier.
 inline void follow(const Control& field, Control& control) {
-  if (control.enforces() && !field.enforces()) return;
+  if (control.enforces() && !control.brake && !field.enforces()) return;
   const Vec3d change = control.change;
   control = field;
   control.change = change;
-}
-
-// The blend weight of a substep that leaves exp(−dt/time) of a difference: shorter substeps blend as much per second.
-inline double blend_weight(double dt, double time) {
-  return -std::expm1(-dt / time);
 }
 
 // Whether a substep that begins at `time` lies in [start, end) [s]. Substep times are sums of rounded numbers, so a
 // millionth of a substep decides ties.
 inline bool covers(double start, double end, double time, double dt) {
   return time >= start - 1e-6 * dt && time < end - 1e-6 * dt;
+}
+
+// Lets go of what nothing else moves: the field is enforced as a brake.
+inline void give_way(const Control& field, Control& control) {
+  if (control.follows()) return;
+  const Vec3d change = control.change;
+  control = field;
+  control.brake = true;
+  control.change = change;
+}
+
+// The share of its way, 0..1, that a hand has gone back at `time` over [start, start + duration). It is at rest at both
+// ends, so that what leans on it is neither let go with a jerk nor thrown; half way it is twice as fast as on average.
+inline double retreat_way(double start, double duration, double time) {
+  const double s = std::fmin(1.0, std::fmax(0.0, (time - start) / duration));
+  return s - std::sin(2 * kPi * s) / (2 * kPi);
+}
+
+// A slab that was moved by `way` [m] until `end` goes back over [end, end + release), held back along that way only.
+inline void let_back(const Vec3d& way, double end, double release, double time, double dt, Control& control) {
+  const double length = norm(way);
+  if (!(release > 0) || !(length > 0) || !covers(end, end + release, time, dt)) return;
+  Control field;
+  field.axis = (1 / length) * way;
+  const double share = retreat_way(end, release, time + dt) - retreat_way(end, release, time);
+  field.velocity = (-share / dt) * way;
+  field.blend.along = 1;
+  give_way(field, control);
+}
+
+// The blend weight of a substep that leaves exp(−dt/time) of a difference: shorter substeps blend as much per second.
+inline double blend_weight(double dt, double time) {
+  return -std::expm1(-dt / time);
 }
 
 }  // namespace physmas::mpm

@@ -244,7 +244,7 @@ TEST_CASE("bind achievement: bounds, short actions, and runs that end early") {
   twist.rate = 8;
   twist.speed_limit = 0.5;  // of 8 rad/s at a quarter of a metre
   const auto bounded = measured({twist}, [](const Vec3d& x, double t) { return turned(x, 0.7 * part(t, 0.1, 0.5)); });
-  CHECK(bounded[0].shortfall.find("speed limit") != std::string::npos);
+  CHECK(bounded[0].shortfall.find("its speed is bounded to 0.5 m/s") != std::string::npos);
 
   // Between two frames: the frame after it tells.
   ScheduleOperation push = operation(Kind::translation, 0.045, 0.075);

@@ -27,6 +27,8 @@ ScheduleOperation operation(Kind kind) {
   op.speed_limit = 0.45;
   op.blend_time = 3e-3;
   op.position_weight = 0.11;
+  op.strain_limit = 0.7;
+  op.release = 0.35;
   op.distance = 0.07;
   op.neighbours = {1, 3};
   op.eta = 0.85;
@@ -83,6 +85,7 @@ TEST_CASE("bind: translation and top_press enforce the operation's velocity") {
   CHECK(same(press.velocity, kVelocity));
   CHECK(same(press.towards, kUp));
   CHECK(press.slab_fraction == 0.15);
+  CHECK(press.release == 0.35);
 }
 
 TEST_CASE("bind: radial_spread, vertical_compress and side_compress") {
@@ -98,6 +101,7 @@ TEST_CASE("bind: radial_spread, vertical_compress and side_compress") {
   CHECK(same(vertical.up, kUp));
   CHECK(vertical.ratio == 0.65);
   CHECK(vertical.speed_limit == 0.45);
+  CHECK(vertical.release == 0.35);
 
   const auto side = action_of<mpm::SideCompress>(operation(Kind::side_compress));
   check_common(side);
@@ -107,6 +111,7 @@ TEST_CASE("bind: radial_spread, vertical_compress and side_compress") {
   CHECK(side.speed_limit == 0.45);
   CHECK(side.blend_time == 3e-3);
   CHECK(side.position == 0.11);
+  CHECK(side.release == 0.35);
 }
 
 TEST_CASE("bind: drag_pair is its puller, then who follows: nobody, the whole target, or what is near") {
@@ -121,6 +126,7 @@ TEST_CASE("bind: drag_pair is its puller, then who follows: nobody, the whole ta
     CHECK(same(puller.velocity, kVelocity));
     CHECK(same(puller.towards, kDirection));
     CHECK(puller.slab_fraction == 0.15);
+    CHECK(puller.release == 0);
     if (follow == Follow::none) continue;
     REQUIRE(std::holds_alternative<mpm::DragFollow>(schedule.actions[1]));
     const auto& follower = std::get<mpm::DragFollow>(schedule.actions[1]);
@@ -149,6 +155,7 @@ TEST_CASE("bind: a scale is two slabs that move apart or together") {
     CHECK(slab.ratio == 0.65);
     CHECK(slab.slab_fraction == 0.15);
     CHECK(slab.speed_limit == 0.45);
+    CHECK(slab.release == 0.35);
   }
 }
 
@@ -167,12 +174,20 @@ TEST_CASE("bind: impulse, torque and support_hold") {
   CHECK(torque.slab_fraction == 0.15);
   CHECK(torque.speed_limit == 0.45);
   CHECK(torque.blend_time == 3e-3);
+  CHECK(torque.release == 0.35);
+  CHECK_FALSE(torque.enforced);
+  CHECK(std::isinf(torque.strain_limit));  // it bounds itself
+  ScheduleOperation stiff = operation(Kind::torque);
+  stiff.enforced = true;
+  CHECK(action_of<mpm::Torque>(stiff).enforced);
+  CHECK(action_of<mpm::Torque>(stiff).strain_limit == 0.7);
 
   const auto hold = action_of<mpm::SlabMotion>(operation(Kind::support_hold));
   check_common(hold);
   CHECK(same(hold.velocity, {0, 0, 0}));
   CHECK(same(hold.towards, kDirection));
   CHECK(hold.slab_fraction == 0.15);
+  CHECK(hold.release == 0);
 }
 
 TEST_CASE("bind: projections and retentions, one per row") {

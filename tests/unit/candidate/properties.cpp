@@ -8,6 +8,7 @@
 #include <set>
 
 #include "candidate/build.h"
+#include "candidate/schedule.h"
 #include "material/evidence.h"
 
 using namespace physmas;
@@ -119,4 +120,57 @@ TEST_CASE("candidate: without structure projection no candidate has controls, an
       CHECK(std::none_of(c.schedule.begin(), c.schedule.end(), [](const auto& op) { return !op.is_action(); }));
     }
   }
+}
+
+TEST_CASE("candidate: a twist is enforced where rows are too stiff for a bounded force, and let go as by a hand") {
+  RandomScene scene(1);
+  PlanAction twist;
+  twist.type = ActionType::torque;
+  twist.target = "cake";
+  twist.direction = {0, 0, 1};
+  twist.magnitude = 2;
+  twist.start = 0.1, twist.end = 1.1;
+  twist.slab = true;
+  PlanAction press = twist;
+  press.type = ActionType::top_press;
+  press.direction = {0, 0, -1};
+  scene.plan.actions = {twist, press};
+  const auto operation = [&](double E, int action) {
+    scene.gaussians.assign(6, 10);
+    Configuration configuration;
+    for (size_t r = 0; r < scene.inventory.rows.size(); ++r) {
+      CandidateRow row;
+      row.row = static_cast<int>(r);
+      row.E = r == 3 ? E : 1e4, row.nu = 0.25, row.rho = 1000;
+      configuration.rows.push_back(row);
+    }
+    const Context context = make_context(scene.inventory, scene.evidence, scene.plan, scene.run, scene.gaussians);
+    std::vector<Omission> omitted;
+    TimestepResult timestep;
+    timestep.dt = 1e-4;
+    return compile_schedule(context, configuration, timestep, "plan.json", omitted)[action];
+  };
+  // A slab of 0.2 reaches across 0.6 of the scene within a second as far as c^2 = G / rho = 0.12 / 0.002 = 60, which
+  // is E = 1.5e5 here.
+  CHECK_FALSE(operation(1.4e5, 0).enforced);
+  CHECK(operation(1.6e5, 0).enforced);
+  CHECK(operation(1.6e5, 0).release == 0.25);
+  CHECK(operation(1.6e5, 1).release == 0.25);
+  // Half the size: a quarter of the modulus.
+  scene.run.placement.extent = 0.5;
+  CHECK(operation(0.4e5, 0).enforced);
+  CHECK_FALSE(operation(0.35e5, 0).enforced);
+  scene.run.placement.extent = 1;
+  scene.run.controls.blend_stiff = scene.run.controls.literal_release = true;
+  CHECK_FALSE(operation(1e9, 0).enforced);
+  CHECK(operation(1e9, 0).release == 0);
+  CHECK(operation(1e9, 1).release == 0);
+  scene.run.controls = {};
+  // A part of the object is held by the others; the whole of it turns freely, and goes on turning.
+  scene.plan.actions[0].slab = false;
+  CHECK_FALSE(operation(1e9, 0).enforced);
+  CHECK(operation(1e9, 0).release == 0);
+  scene.plan.actions[0].target = "cake/part-2";
+  CHECK(operation(1e9, 0).enforced);
+  CHECK(operation(1e9, 0).release == 0.25);
 }

@@ -27,6 +27,9 @@ ScheduleOperation operation(OperationKind kind) {
   op.speed_limit = 0.45;
   op.blend_time = 3e-3;
   op.position_weight = 0.11;
+  op.enforced = true;
+  op.strain_limit = 0.7;
+  op.release = 0.35;
   op.follow = Follow::target;
   op.distance = 0.07;
   op.neighbours = {1, 3};
@@ -73,7 +76,8 @@ TEST_CASE("actions: an operation keeps the fields of its kind, and needs each of
     CHECK(json.at("operation") == kOperationNames[i]);
     CHECK(to_json(operation_from(json, "c.json", "/schedule/0")) == json);
     for (const auto& [name, value] : json.items()) {
-      if (name == "operation" || name == "mode") continue;
+      if (name == "operation" || name == "mode" || name == "drive" || name == "strain_limit" || name == "release")
+        continue;
       Json lacking = json;
       lacking.erase(name);
       const std::string wanted = "the field " + name + " of " + kOperationNames[i];
@@ -92,6 +96,12 @@ TEST_CASE("actions: an operation keeps the fields of its kind, and needs each of
   CHECK(operation_from(projection, "c.json", "").rigid);
   projection.erase("mode");
   CHECK_FALSE(operation_from(projection, "c.json", "").rigid);
+  // A candidate of an earlier version acts as it did then.
+  Json torque = to_json(operation(OperationKind::torque));
+  for (const char* name : {"drive", "strain_limit", "release"}) torque.erase(name);
+  const ScheduleOperation earlier = operation_from(torque, "c.json", "");
+  CHECK_FALSE(earlier.enforced);
+  CHECK(earlier.release == 0);
 }
 
 TEST_CASE("actions: an operation that makes no sense is refused by its field") {

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "mpm/action/apply_control.h"
+#include "mpm/action/region_motion.h"
 #include "mpm/action/schedule.h"
 #include "unit/mpm/scenes.h"
 
@@ -342,6 +343,148 @@ TEST_CASE("mpm actions: an enforced field wins over a blended one, else the late
   CHECK(control_of({torque, spread}).gradient[0].y == 0);
   CHECK(control_of({impulse, torque}).change.x == doctest::Approx(0.25));
   CHECK(control_of({torque, impulse, hold}).change.x == doctest::Approx(0.25));
+}
+
+TEST_CASE("mpm actions: a release does not stand in the way of another action") {
+  const Problem p = cube();
+  const SlabMotion press{{0}, {0, 0, -0.3}, kUp, 1, 0, 0.2, 0.25};
+  const Translation lift{{0}, {0, 0, 0.7}, 0.3, 1};
+  const Torque torque{{0}, kUp, 2, 1, 1.5, 2e-3, 0.3, 1};
+  const auto control_of = [&](const std::vector<Action>& actions, double time) {
+    const ActionPlan plan(actions, p.particles);
+    std::vector<Control> controls;
+    plan.controls(time, 2e-4, controls);
+    return controls.back();
+  };
+  // Half way the hand goes back at twice the mean speed of its way, 0.06 m in 0.25 s.
+  const Control back = control_of({press}, 0.325 - 1e-4);
+  CHECK(back.brake);
+  CHECK(back.enforces());
+  CHECK(back.velocity.z == doctest::Approx(2 * 0.06 / 0.25));
+  CHECK(control_of({press}, 0.1).velocity.z == -0.3);
+  CHECK(control_of({press}, 0.2001).velocity.z < 1e-3);
+  CHECK(control_of({press}, 0.4499).velocity.z < 1e-3);
+  CHECK(control_of({press}, 0.46).idle());
+  for (const bool first : {false, true}) {
+    CHECK_FALSE(control_of(first ? std::vector<Action>{lift, press} : std::vector<Action>{press, lift}, 0.35).brake);
+    CHECK_FALSE(
+        control_of(first ? std::vector<Action>{torque, press} : std::vector<Action>{press, torque}, 0.35).brake);
+  }
+  CHECK(control_of({press, Impulse{{0}, {1, 0, 0}, 0.35, 8e-4, 2e-4}}, 0.35).change.x == doctest::Approx(0.25));
+}
+
+TEST_CASE("mpm actions: a brake holds back what is faster than its field, and nothing else") {
+  constexpr int W = kLanes<double>;
+  using V = Lanes<double>;
+  Control control;
+  control.velocity = {0, 0, 0.5};
+  control.axis = {0, 0, 1};
+  control.blend.along = 1;
+  control.brake = true;
+  const auto lanes = load_controls<double>(control, kAllLanes<double>, {1, 1, 1}, 0.02);
+  const Vec3<V> x = {V(2), V(2), V(2)};
+  for (const double speed : {0.7, 0.5, 0.2, -3.0}) {
+    Vec3<V> v = {V(1), V(-2), V(speed)}, w = v;
+    Mat3<V> C = identity<V>(), D = C;
+    double work = 0;
+    blend_controls<double>(lanes, x, V(1), v, C);
+    const auto motion = force_motion<double>(lanes, x, V(1), w, D, work);
+    for (int l = 0; l < W; ++l) {
+      CHECK(double(v.z[l]) == std::min(speed, 0.5));
+      CHECK(double(w.z[l]) == std::min(speed, 0.5));
+      CHECK(double(w.x[l]) == 1);
+      CHECK(double(w.y[l]) == -2);
+      CHECK(double(D[2].z[l]) == (speed > 0.5 ? 0 : 1));
+      CHECK(double(motion.increment.z[l]) == 0);
+    }
+    CHECK(work == 0);  // it takes energy away
+  }
+}
+
+TEST_CASE("mpm actions: what was pressed, stretched or twisted springs back at a hand's pace") {
+  // Stiff cubes on a floor, or in the air; the hand itself is at 0.5 m/s at most.
+  const auto compare = [&](const char* what, bool floor, const auto& actions_of) {
+    Problem p = cube({Branch::metal, 2e6, 0.3, 1000});
+    if (floor) {
+      p.domain.gravity = {0, 0, -9.8};
+      p.domain.colliders.push_back(floor_at(0.85));
+    }
+    double speed[2], rise[2];
+    for (const bool hand : {false, true}) {
+      p.schedule.actions = actions_of(hand ? 0.25 : 0.0);
+      const Outcome out = simulate(p, {15, 0.04, 400});
+      REQUIRE(out.result.status == Status::stable);
+      speed[hand] = out.result.max_speed;
+      rise[hand] = mean(out.state.x).z - mean(p.particles.position).z;
+    }
+    MESSAGE(std::string(what), ": fastest particle literally ", speed[0], " m/s, by hand ", speed[1],
+            "; rise of the centre ", rise[0], ", ", rise[1], " m");
+    CHECK(speed[1] < 0.25 * speed[0]);  // at most what the action itself did
+    CHECK(std::fabs(rise[1]) < 0.01);
+  };
+  compare("press", true, [](double release) {
+    return std::vector<Action>{SlabMotion{{0}, {0, 0, -0.3}, kUp, 0.2, 0, 0.2, release}};
+  });
+  compare("flatten", true, [](double release) {
+    return std::vector<Action>{VerticalCompress{{0}, kUp, 0.8, 0.5, 0, 0.2, release}};
+  });
+  compare("stretch", false, [](double release) {
+    return std::vector<Action>{ScaleSlab{{0}, {1, 0, 0}, 1.3, 0.2, 1, 0, 0.2, release},
+                               ScaleSlab{{0}, {-1, 0, 0}, 1.3, 0.2, 1, 0, 0.2, release}};
+  });
+  compare("twist", false, [](double release) {
+    return std::vector<Action>{Torque{{0}, kUp, 3, 0.2, 1.5, 2e-3, 0, 0.2, release, true},
+                               SlabMotion{{0}, {0, 0, 0}, -kUp, 0.2, 0, 1}};
+  });
+}
+
+TEST_CASE("mpm actions: a hand that goes back does not pull a dent out") {
+  const auto height = [](double release) {
+    Problem p = cube({Branch::plasticine, 2e5, 0.4, 1500});
+    p.domain.gravity = {0, 0, -9.8};
+    p.domain.colliders.push_back(floor_at(0.85));
+    p.schedule.actions = {SlabMotion{{0}, {0, 0, -0.3}, kUp, 0.2, 0, 0.3, release}};
+    return mean(simulate(p, {16, 0.04, 200}).state.x).z;
+  };
+  const double literal = height(0), hand = height(0.25);
+  MESSAGE("mean height with a dent: literally ", literal, ", by hand ", hand);
+  CHECK(literal < 0.98);  // of 1
+  CHECK(hand == doctest::Approx(literal).epsilon(0.003));
+}
+
+TEST_CASE("mpm actions: an enforced torque turns what a blended one cannot, within its bounds") {
+  const auto angle = [](bool enforced) {
+    Problem p = scene({Branch::metal, 1e7, 0.3, 1000}, 32);
+    add_block(p, {0.9, 0.9, 0.6}, {1.1, 1.1, 1.2}, 0, p.domain.dx());
+    Torque torque{{0}, kUp, 2, 0.2, 1.5, 2e-3, 0, 0.4};
+    torque.enforced = enforced;
+    p.schedule.actions = {torque, SlabMotion{{0}, {0, 0, 0}, {0, 0, -1}, 0.2, 0, 0.4}};
+    const Outcome out = simulate(p, {11, 0.04, 400});
+    REQUIRE(out.result.status == Status::stable);
+    Places from, to;
+    for (const int i : select_region(torque, p.particles).particles) {
+      from.push_back(p.particles.position[i]);
+      to.push_back(out.state.x[i]);
+    }
+    return turn_about(kUp, from, to);
+  };
+  const double blended = angle(false), enforced = angle(true);
+  MESSAGE("of 0.8 rad, steel is turned by ", blended, " blended, ", enforced, " enforced");
+  CHECK(blended < 0.1);
+  CHECK(enforced == doctest::Approx(0.8).epsilon(0.001));
+
+  Region region;
+  region.extent = {0.5, 1.5};
+  region.radius = 0.3;
+  Torque torque{{0}, kUp, -4, 0.2, 100, 2e-3, 1, 2};
+  CHECK(bounded_rate(torque, region) == -4);
+  torque.strain_limit = 1;  // 4 rad × 0.3 m over 0.6 m would be 2
+  CHECK(bounded_rate(torque, region) == doctest::Approx(-2));
+  torque.speed_limit = 0.3;
+  CHECK(bounded_rate(torque, region) == doctest::Approx(-1));
+  torque.slab_fraction = 1;  // nothing lies between
+  torque.speed_limit = 100;
+  CHECK(bounded_rate(torque, region) == -4);
 }
 
 TEST_CASE("mpm actions: the energy check does not fire on strong actions, in either precision") {
