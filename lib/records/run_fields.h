@@ -149,6 +149,10 @@ void visit_fields(Run& run, Visitor& v) {
   v.field("excuse_rotation", run.screening.excuse_rotation, {},
           "what fails spread or flattening in the image passes where it holds in the objects' own frame; false: image "
           "boxes alone, as the paper writes it");
+  v.field("achieved_min", run.screening.achieved_min, kUnit,
+          "gate: the smallest share of its request that an action must have met; 0: no gate");
+  v.field("stillness_min", run.screening.stillness_min, kUnit,
+          "gate: how still what nothing moved or touched must have stood; 0: no gate");
   v.field("dark_luminance", run.screening.dark_luminance, kUnit,
           "a foreground pixel below this Rec. 709 luminance is dark", kRender);
   v.field("weights", run.screening.weights, {},

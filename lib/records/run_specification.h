@@ -106,6 +106,8 @@ struct RunSpecification {
     int repairs = 3;
     double tau = 0.72;
     bool excuse_rotation = true;   // what turned is not flattened; false: image boxes alone, the paper's letter
+    double achieved_min = 0;       // 0..1: an action that met less of its request is a failed gate; 0: off
+    double stillness_min = 0;      // 0..1: as much must stand still of what nothing moves; 0: off
     double dark_luminance = 0.08;  // Rec. 709 luminance of 8-bit sRGB values, 0..1
     // w of Eq. supp-critic: video, part confidence, diversity, role, base, density, solver.
     std::array<double, 7> weights = {1, 0.27, 0.10, 0.25, 0.15, 0.08, 0.15};
@@ -127,11 +129,11 @@ struct RunSpecification {
 
 // Of Projection::rigid, false and true.
 inline constexpr std::array<const char*, 2> kProjectionModes = {"literal", "rigid"};
-
-// Reads a `run` object that its schema already accepted; absent fields keep their defaults. Checks what a schema
 // Of Controls::literal_release and ::blend_stiff, false and true.
 inline constexpr std::array<const char*, 2> kReleases = {"hand", "literal"};
 inline constexpr std::array<const char*, 2> kStiffDrives = {"enforced", "blended"};
+
+// Reads a `run` object that its schema already accepted; absent fields keep their defaults. Checks what a schema
 // cannot (a collider's fields fit its type, normals are not zero, placement fits the cube, steps are consistent).
 // file, pointer: where `json` stands, for messages.
 RunSpecification run_specification_from(const Json& json, const std::string& file, const std::string& pointer);

@@ -3,6 +3,17 @@
 #include "records/json.h"
 
 namespace physmas {
+namespace {
+
+std::optional<double> number_or_none(const Json& json) {
+  return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
+}
+
+Json number_or_null(const std::optional<double>& value) {
+  return value ? Json(*value) : Json();
+}
+
+}  // namespace
 
 ScreenRecord load_screen(const std::string& path) {
   const Json document = load_record(path, "screen");
@@ -29,6 +40,8 @@ ScreenRecord load_screen(const std::string& path) {
     }
     c.penalty = json.at("penalty").get<double>();
     c.score = json.at("score").get<double>();
+    c.achieved = number_or_none(json.value("achieved", Json()));
+    c.stillness = number_or_none(json.value("stillness", Json()));
     for (const Json& gate : json.at("gates")) {
       c.gates.push_back({gate.at("name").get<std::string>(), gate.at("passed").get<bool>(), gate.at("measured"),
                          gate.at("limit"), gate.value("advice", "")});
@@ -78,6 +91,8 @@ void save_screen(const std::string& path, const ScreenRecord& record, const Prov
     for (const auto& [term, value] : c.video_terms) entry["video_terms"].push_back({{"term", term}, {"value", value}});
     entry["penalty"] = c.penalty;
     entry["score"] = c.score;
+    entry["achieved"] = number_or_null(c.achieved);
+    entry["stillness"] = number_or_null(c.stillness);
     entry["gates"] = Json::array();
     for (const ScreenedCandidate::Gate& gate : c.gates) {
       entry["gates"].push_back(

@@ -3,6 +3,7 @@
 #define PHYSMAS_RECORDS_SCREEN_H
 
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,7 +18,7 @@ inline constexpr std::array<const char*, 6> kRepairNames = {"support-stiffness",
 
 struct ScreenedCandidate {
   struct Gate {
-    std::string name;  // plan | process | numerical | spread | flattening | support
+    std::string name;  // plan | process | numerical | spread | flattening | support | achieved | stillness
     bool passed = false;
     Json measured, limit;
     std::string advice = {};  // one sentence for a person, of a failed gate
@@ -29,6 +30,9 @@ struct ScreenedCandidate {
   std::vector<std::pair<std::string, double>> video_terms;
   double penalty = 0;  // l(k)
   double score = 0;    // Q_exec(k)
+  // Beside Q, no part of it; none: the plan has no action, or nothing was to stand still.
+  std::optional<double> achieved;   // 0..1: the smallest share of a request that an action met
+  std::optional<double> stillness;  // 0..1, of what nothing moved or touched
   std::vector<Gate> gates;
   bool valid = false;     // all gates passed
   bool admitted = false;  // valid and score >= tau

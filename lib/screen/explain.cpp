@@ -29,6 +29,10 @@ std::string plain(const Json& value) {
   return text;
 }
 
+std::string share(const std::optional<double>& value) {
+  return value ? fmt::format("{:.2f}", *value) : "-";
+}
+
 const char* verdict(const ScreenedCandidate& candidate, double tau) {
   if (candidate.admitted) return "admitted";
   if (!candidate.valid) return candidate.score < tau ? "gate, score" : "gate";
@@ -44,13 +48,16 @@ std::string explain(const ScreenRecord& record) {
   std::string text =
       fmt::format("round {}, tau {}: {} - {}\n\n", record.round, record.tau, record.decision, record.reason);
   if (!record.weights.empty()) text += fmt::format("weights {}\n", fmt::join(record.weights, " "));
-  text += fmt::format("rank  {:<{}}       Q   video    part    div.    role    base  densi.  solver  penal.  verdict\n",
-                      "candidate", width);
+  text += fmt::format(
+      "rank  {:<{}}       Q  achieved  still   video    part    div.    role    base  densi.  solver  penal.  "
+      "verdict\n",
+      "candidate", width);
   for (const auto* c : candidates) {
     text += fmt::format(
-        "{:>4}  {:<{}}  {:6.4f}  {:6.3f}  {:6.4f}  {:6.4f}  {:6.4f}  {:6.4f}  {:6.4f}  {:6.4f}  {:6.4f}  {}\n", c->rank,
-        c->id, width, c->score, c->video, c->part_confidence, c->diversity, c->role, c->base, c->density, c->solver,
-        c->penalty, verdict(*c, record.tau));
+        "{:>4}  {:<{}}  {:6.4f}  {:>8}  {:>5}  {:6.3f}  {:6.4f}  {:6.4f}  {:6.4f}  {:6.4f}  {:6.4f}  {:6.4f}  {:6.4f}  "
+        "{}\n",
+        c->rank, c->id, width, c->score, share(c->achieved), share(c->stillness), c->video, c->part_confidence,
+        c->diversity, c->role, c->base, c->density, c->solver, c->penalty, verdict(*c, record.tau));
   }
   for (const auto* c : candidates) {
     text += fmt::format("\n{} (round {}, {})\n", c->id, c->round, c->transform);

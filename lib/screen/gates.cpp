@@ -73,6 +73,10 @@ Gate support_gate(const Candidate& candidate, const Inventory& inventory) {
   return gate;
 }
 
+Gate share_gate(const char* name, const std::optional<double>& share, double least) {
+  return {name, share.value_or(1) >= least, share ? Json({{"share", *share}}) : Json(), {{"share_at_least", least}}};
+}
+
 }  // namespace
 
 void check_gates(ScreenedCandidate& screened, const Executed& executed, const SceneRecords& scene) {
@@ -80,6 +84,9 @@ void check_gates(ScreenedCandidate& screened, const Executed& executed, const Sc
   screened.gates = {
       plan_gate(scene.plan),  process_gate(executed.execution), numerical_gate(executed.execution),
       spread_gate(endpoints), flattening_gate(endpoints),       support_gate(executed.candidate, scene.inventory)};
+  if (scene.achieved_min > 0) screened.gates.push_back(share_gate("achieved", screened.achieved, scene.achieved_min));
+  if (scene.stillness_min > 0)
+    screened.gates.push_back(share_gate("stillness", screened.stillness, scene.stillness_min));
   for (Gate& gate : screened.gates) {
     if (!gate.passed) gate.advice = advice_for(gate.name, executed.execution);
   }

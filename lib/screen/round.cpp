@@ -135,7 +135,9 @@ ScreenRecord screen_round(const RoundFiles& files, int round) {
                              run.time.frames,
                              run.screening.tau,
                              run.screening.weights,
-                             run.screening.excuse_rotation};
+                             run.screening.excuse_rotation,
+                             run.screening.achieved_min,
+                             run.screening.stillness_min};
   ScreenRecord record = decide_round(executed, records, round, run.screening.rounds);
   const std::string chosen = record.accepted;
   const auto best =

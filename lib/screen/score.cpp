@@ -116,6 +116,10 @@ void score_candidate(ScreenedCandidate& screened, const Executed& executed, cons
   screened.score = 0;
   for (size_t i = 0; i < features.size(); ++i) screened.score += scene.weights[i] * features[i];
   screened.score -= screened.penalty;
+
+  for (const AchievedAction& action : executed.execution.achieved)
+    screened.achieved = std::min(screened.achieved.value_or(1), action.share);
+  if (executed.execution.stillness) screened.stillness = executed.execution.stillness->share;
 }
 
 }  // namespace physmas::screen

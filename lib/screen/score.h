@@ -26,6 +26,7 @@ struct SceneRecords {
   double tau = 0;                                                         // acceptance threshold
   std::array<double, 7> weights = RunSpecification::Screening().weights;  // of the features, in the order of phi
   bool excuse_rotation = true;  // what is neither spread nor flattened in the objects' own frame passes
+  double achieved_min = 0, stillness_min = 0;                             // 0: no gate
 };
 
 // An executed candidate.
@@ -57,7 +58,9 @@ struct Endpoints {
 };
 Endpoints endpoints_of(const RenderRecord& render, const SceneRecords& scene);
 
-// Fills features, video terms, penalty and score.
+// Fills features, video terms, penalty and score, and what stands beside it: the shares of the requests that were met,
+// of which the smallest counts. A mean would hide the one action that was not done behind the others, and a video shows
+// what was asked only when it shows all of it.
 void score_candidate(ScreenedCandidate& screened, const Executed& executed, const SceneRecords& scene);
 
 }  // namespace physmas::screen

@@ -192,3 +192,36 @@ setup() {
   fails_with 3 "$bin/pm-screen" --explain --out nowhere.json -- nowhere.json
   [ ! -e screen/round0.json ]
 }
+
+@test "pm-screen: what was achieved stands beside Q, and gates only where the run asks for it" {
+  achieves() { # ID SHARE
+    python3 - "$1" "$2" <<'PY'
+import json, sys
+path = f"rollouts/{sys.argv[1]}.json"
+d = json.load(open(path))
+d["achieved"] = [{"type": "top_press", "rows": ["cake/sponge"], "quantity": "displacement", "unit": "m",
+                  "requested": 0.2, "achieved": 0.2 * float(sys.argv[2]), "share": float(sys.argv[2])}]
+d["stillness"] = {"rows": ["cake/plate"], "drift": 0.01, "share": 0.9}
+json.dump(d, open(path, "w"))
+PY
+  }
+  achieves posterior 0.1
+  achieves target-impact 0.8
+  screen 0
+  grep -q '"candidate": "posterior"' accepted.json
+  grep -q '"achieved": 0.1' screen/round0.json
+  grep -q '"stillness": 0.9' screen/round0.json
+  refute grep -q '"name": "achieved"' screen/round0.json
+  "$bin/pm-screen" --explain --out screen/round0.json >text
+  grep -Eq '^ +1  posterior +[0-9.]+ +0.10 +0.90 ' text
+  # The other one did what was asked.
+  sed -i 's/"initial": 2/"initial": 2, "achieved_min": 0.5/' scene.json
+  screen 0
+  grep -q '"candidate": "target-impact"' accepted.json
+  "$bin/pm-screen" --explain --out screen/round0.json | grep -q 'achieved    FAILED  share 0.1; limit: share at least 0.5'
+  sed -i 's/"achieved_min": 0.5/"stillness_min": 0.95/' scene.json
+  screen 0
+  grep -q '"decision": "repair"' screen/round0.json
+  sed -i 's/"stillness_min": 0.95/"achieved_min": 1.5/' scene.json
+  fails_with 3 screen 0 -- "/run/screening/achieved_min" "1.5"
+}

@@ -357,3 +357,44 @@ TEST_CASE("screen: unrelated rows do not change a candidate's gates") {
   CHECK(after.score == Approx(before.score).epsilon(1e-15));
   CHECK(after.valid == before.valid);
 }
+
+TEST_CASE("screen: what was achieved stands beside Q, and is a gate only where the run asks for it") {
+  Bench bench;
+  const double score = bench.screened().score;
+  CHECK_FALSE(bench.screened().achieved);
+  CHECK_FALSE(bench.screened().stillness);
+  AchievedAction hold, twist;
+  hold.share = 1, twist.share = 0.057;
+  bench.executed.execution.achieved = {hold, twist};
+  bench.executed.execution.stillness = Stillness{{"cake/plate"}, 0.02, 0.8};
+  ScreenedCandidate s = bench.screened();
+  CHECK(*s.achieved == 0.057);  // the one that was not done, not the mean
+  CHECK(*s.stillness == 0.8);
+  CHECK(s.score == score);
+  CHECK(s.valid);
+  CHECK(s.gates.size() == 6);
+
+  const auto gated = [&](double achieved_min, double stillness_min) {
+    SceneRecords scene = bench.scene();
+    scene.achieved_min = achieved_min, scene.stillness_min = stillness_min;
+    return decide_round({bench.executed}, scene, 0, 3);
+  };
+  CHECK(gated(0, 0).decision == "accept");
+  CHECK(gated(0.05, 0.8).decision == "accept");
+  ScreenRecord record = gated(0.5, 0);
+  CHECK(record.decision == "repair");
+  CHECK(record.repair_routes.empty());  // no repair makes an action stronger
+  CHECK(record.reason.find("failed gates: achieved") != std::string::npos);
+  CHECK_FALSE(gate_passed(record.candidates[0], "achieved"));
+  const std::string text = explain(record);
+  CHECK(text.find("achieved    FAILED  share 0.057; limit: share at least 0.5") != std::string::npos);
+  CHECK(text.find("Q  achieved  still") != std::string::npos);
+  CHECK(text.find("    0.06   0.80") != std::string::npos);
+  record = gated(0, 0.81);
+  CHECK(record.reason.find("failed gates: stillness") != std::string::npos);
+  // Nothing was measured: nothing is refused.
+  bench.executed.execution.achieved.clear();
+  bench.executed.execution.stillness.reset();
+  CHECK(gated(1, 1).decision == "accept");
+  CHECK(explain(gated(1, 1)).find("achieved    pass    not measured") != std::string::npos);
+}
