@@ -3,7 +3,7 @@
 # RUN      the run's folder
 # Where the scene comes from, one of (inputs.mk):
 #   EXAMPLE    name of a description in examples/           -> pm-scene synth
-#   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, INVENTORY, MASKS, VIEWS and CAMERAS (with DATAPARSER), PHYSGAUSSIAN,
+#   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, FRONT, INVENTORY, MASKS, VIEWS and CAMERAS (with DATAPARSER), PHYSGAUSSIAN,
 #              OPACITY, CROP, DROP, AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
 #   SCENE      a scene.json                                 -> used where it lies
 # PROMPT   what shall happen, instead of what the scene says

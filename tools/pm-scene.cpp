@@ -42,6 +42,9 @@ int main(int argc, char** argv) {
         .add_option("--up", import.up,
                     "Scene axis that points up; when absent z in nerfstudio's frame, y for .spz, -y else")
         .one_of({"x", "y", "z", "-x", "-y", "-z"});
+    import_command.add_option("--front", import.front,
+                              "Axis that the front of things faces, degrees about up from the usual front towards the "
+                              "right, or the view of --cameras that is the front");
     import_command
         .add_option("--opacity-threshold", import.selection.opacity_threshold,
                     "Take Gaussians of a higher opacity only")

@@ -20,8 +20,7 @@ struct Candidate {
 };
 
 std::vector<Candidate> candidates_for(const std::vector<CapturedView>& views, const Eigen::Vector3d& center,
-                                      const std::string& up) {
-  const Eigen::Matrix3d axes = scene_axes(up);
+                                      const Eigen::Matrix3d& axes) {
   // Where the front, right, back and left cameras stand.
   const std::array<Eigen::Vector3d, 4> sides = {-axes.col(1), axes.col(0), axes.col(1), -axes.col(0)};
   std::vector<Candidate> candidates;
@@ -44,13 +43,8 @@ std::vector<Candidate> candidates_for(const std::vector<CapturedView>& views, co
 
 std::array<ChosenView, 4> choose_views(const std::vector<CapturedView>& views,
                                        const std::vector<Eigen::Vector3d>& points, const std::string& up,
-                                       const std::string& file) {
-  Eigen::Vector3d low = points.front(), high = low;
-  for (const Eigen::Vector3d& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const std::vector<Candidate> all = candidates_for(views, 0.5 * (low + high), up);
+                                       const std::string& file, double front, int front_view) {
+  const std::vector<Candidate> all = candidates_for(views, middle_of(points), scene_axes(up, front));
   if (all.size() < 4) {
     throw invalid_input({file, "",
                          fmt::format("{} of {} cameras that see the scene's centre", all.size(), views.size()),
@@ -63,6 +57,15 @@ std::array<ChosenView, 4> choose_views(const std::vector<CapturedView>& views,
     std::stable_sort(best[side].begin(), best[side].end(),
                      [&](size_t a, size_t b) { return all[a].cosine[side] > all[b].cosine[side]; });
     best[side].resize(4);
+  }
+  if (front_view >= 0) {
+    const auto found = std::find_if(all.begin(), all.end(),
+                                    [&](const Candidate& c) { return c.index == static_cast<size_t>(front_view); });
+    if (found == all.end()) {
+      throw invalid_input({file, "", "a front view that does not see the scene's centre", "one that does",
+                           "name another view with --front"});
+    }
+    best[0] = {static_cast<size_t>(found - all.begin())};
   }
   std::array<size_t, 4> chosen = {};
   double most = -5;

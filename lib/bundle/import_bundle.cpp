@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
 
 #include "base/error.h"
@@ -217,6 +218,18 @@ std::string usual_up(const ImportOptions& options) {
   return fs::path(options.gaussians).extension() == ".spz" ? "y" : "-y";
 }
 
+// What --front says where the views are rendered.
+double front_without_views(const ImportOptions& options) {
+  const std::optional<double> degrees = options.front.empty() ? 0 : front_degrees(options.front, options.up);
+  if (!degrees) {
+    throw Error(ExitCode::usage,
+                fmt::format("--front: found \"{}\", expected x, y, z, -x, -y or -z across up, or degrees from -360 to "
+                            "360; a view's name needs --cameras",
+                            one_line(options.front, 80)));
+  }
+  return *degrees;
+}
+
 // What `dataparser` stands for: a file, or empty.
 std::string dataparser_file(const ImportOptions& options) {
   if (options.cameras.empty() || options.dataparser == "none") return "";
@@ -297,9 +310,10 @@ void write_import_bundle(const ImportOptions& given) {
   std::vector<CopiedFile> copies;
   std::vector<Image> rendered;
   std::vector<std::pair<std::string, std::string>> chosen;
+  double front = 0;
   if (!options.cameras.empty()) {
     UserViews user = read_user_views(options.cameras, options.views, options.dataparser, configuration.turn, means,
-                                     options.up, options.folder);
+                                     options.up, options.front, options.folder);
     if (!given.dataparser.empty() && given.dataparser != "none" && !user.transformed) {
       throw Error(ExitCode::usage, "--dataparser-transforms: found " + options.cameras +
                                        ", whose cameras are in the coordinates of the Gaussians, expected a file of "
@@ -309,20 +323,23 @@ void write_import_bundle(const ImportOptions& given) {
     scene.views = std::move(user.views);
     copies = std::move(user.files);
     chosen = std::move(user.chosen);
+    front = user.front;
   } else {
+    front = front_without_views(options);
     const std::vector<Camera> cameras =
-        view_cameras(means, options.view_elevation, {options.up, kViewFov, kViewMargin, kViewSize, kViewSize});
+        view_cameras(means, options.view_elevation, {options.up, kViewFov, kViewMargin, kViewSize, kViewSize, front});
     rendered = render_view_images(gaussians, cameras, scene.run.render);
     for (size_t i = 0; i < cameras.size(); ++i)
       scene.views.push_back({kViewNames[i], options.folder + "/views/" + kViewNames[i] + ".png", cameras[i]});
   }
   scene.output_cameras = {
       frame_points(points_to_frame(means, gaussians, scene.run), {options.azimuth, options.elevation},
-                   {options.up, kOutputFov, kOutputMargin, scene.run.render.width, scene.run.render.height})};
+                   {options.up, kOutputFov, kOutputMargin, scene.run.render.width, scene.run.render.height, front})};
 
   Provenance provenance;
   provenance.tool = "pm-scene";
   provenance.options = {{"command", "import"}, {"up", options.up}};
+  if (!options.front.empty()) provenance.options.emplace_back("front", options.front);
   record_selection(options.selection, removed, provenance);
   if (turned) provenance.options.emplace_back("turned", rotation_text(configuration.turn));
   for (const auto& [name, image] : chosen) provenance.options.emplace_back("view " + name, image);

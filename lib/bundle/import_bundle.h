@@ -13,6 +13,7 @@ struct ImportOptions {
   std::string prompt;          // not blank
   std::string folder;          // of the bundle
   std::string up;              // empty: what `physgaussian` says, else z in nerfstudio's frame, y for .spz, -y else
+  std::string front;           // degrees or axis (front_degrees), a view's or image's name; empty: the usual
   std::string name;            // empty: made from the file's name
   std::string views;           // folder with the user's images, or empty
   std::string cameras;         // their cameras (user_views.h), with `views` only

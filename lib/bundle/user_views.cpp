@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <optional>
 #include <set>
 
+#include "base/error.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "bundle/choose_views.h"
@@ -70,6 +72,41 @@ std::string find_image(const std::string& folder, const std::string& name, const
                        "--views DIR is the folder with the images"});
 }
 
+bool is_named(const std::string& name, const std::string& wanted) {
+  const fs::path path(name);
+  return name == wanted || path.filename() == wanted || path.stem() == wanted;
+}
+
+// The index of the view that --front names.
+template <class Views, class NameOf>
+int named_view(const Views& views, const NameOf& name_of, const std::string& front, const std::string& cameras) {
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (is_named(name_of(views[i]), front)) return static_cast<int>(i);
+  }
+  throw Error(
+      ExitCode::usage,
+      fmt::format("--front: found \"{}\", expected x, y, z, -x, -y or -z, degrees from -360 to 360, or a view of {}",
+                  one_line(front, 80), cameras));
+}
+
+void put_front_first(UserViews& user, const std::string& front, const std::optional<double>& degrees,
+                     const Eigen::Vector3d& center, const std::string& up, const std::string& cameras) {
+  size_t first = 0;
+  if (!degrees) {
+    first = named_view(
+        user.views, [](const SceneView& view) { return view.name; }, front, cameras);
+  } else {
+    const auto off = [&](const SceneView& view) {
+      return std::abs(std::remainder(azimuth_of(view.camera, center, up) - *degrees, 360));
+    };
+    for (size_t i = 1; i < user.views.size(); ++i) {
+      if (off(user.views[i]) < off(user.views[first]) - 1e-9) first = i;
+    }
+  }
+  std::rotate(user.views.begin(), user.views.begin() + static_cast<std::ptrdiff_t>(first), user.views.end());
+  user.front = azimuth_of(user.views[0].camera, center, up);
+}
+
 Camera scaled_to(Camera camera, const Image& image, const std::string& file) {
   const double x = static_cast<double>(image.width) / camera.width,
                y = static_cast<double>(image.height) / camera.height;
@@ -87,7 +124,8 @@ Camera scaled_to(Camera camera, const Image& image, const std::string& file) {
 
 UserViews read_user_views(const std::string& cameras, const std::string& folder, const std::string& dataparser,
                           const Eigen::Matrix3d& turn, const std::vector<Eigen::Vector3d>& points,
-                          const std::string& up, const std::string& bundle) {
+                          const std::string& up, const std::string& front, const std::string& bundle) {
+  const std::optional<double> degrees = front.empty() ? 0 : front_degrees(front, up);
   const ImageSize size_of = [&](const std::string& name) {
     const Image image = load_image(find_image(folder, name, cameras));
     return std::make_pair(image.width, image.height);
@@ -97,7 +135,11 @@ UserViews read_user_views(const std::string& cameras, const std::string& folder,
   std::vector<CapturedView> captured;
   if (fs::path(cameras).extension() == ".json") {
     const Json document = parse_json(read_file(cameras), cameras);
-    if (!is_captured_json(document)) return read_own_list(document, cameras, folder, turning, bundle);
+    if (!is_captured_json(document)) {
+      UserViews user = read_own_list(document, cameras, folder, turning, bundle);
+      if (!front.empty()) put_front_first(user, front, degrees, middle_of(points), up, cameras);
+      return user;
+    }
     captured = captured_views_from(document, cameras, size_of);
   } else {
     captured = load_captured_views(cameras, size_of);
@@ -109,8 +151,15 @@ UserViews read_user_views(const std::string& cameras, const std::string& folder,
   for (CapturedView& view : captured) {
     if (turning) turning->apply(view.camera);
   }
-  const std::array<ChosenView, 4> chosen = choose_views(captured, points, up, cameras);
   UserViews user;
+  user.front = degrees.value_or(0);
+  int front_view = -1;
+  if (!degrees) {
+    front_view = named_view(
+        captured, [](const CapturedView& view) { return view.image; }, front, cameras);
+    user.front = azimuth_of(captured[front_view].camera, middle_of(points), up);
+  }
+  const std::array<ChosenView, 4> chosen = choose_views(captured, points, up, cameras, user.front, front_view);
   user.transformed = !dataparser.empty();
   for (size_t side = 0; side < chosen.size(); ++side) {
     const CapturedView& from = captured[chosen[side].index];

@@ -1,11 +1,15 @@
 #include "bundle/view_rig.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "base/constants.h"
+#include "base/error.h"
 #include "records/run_specification.h"
 
 namespace physmas::bundle {
@@ -37,7 +41,7 @@ std::pair<double, double> fit_axis(const std::vector<Vector3d>& points, const Ve
 }
 
 Stand stand_for(const std::vector<Vector3d>& points, const ViewDirection& direction, const Framing& framing) {
-  const Eigen::Matrix3d axes = scene_axes(framing.up);
+  const Eigen::Matrix3d axes = scene_axes(framing.up, framing.front);
   const double a = direction.azimuth * kRadians, e = direction.elevation * kRadians;
   Stand stand;
   stand.forward = -(axes * Vector3d(std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e)));
@@ -76,14 +80,54 @@ double weighted_quantile(const std::vector<std::pair<float, float>>& values, dou
 
 }  // namespace
 
-Eigen::Matrix3d scene_axes(const std::string& up_name) {
+Eigen::Matrix3d scene_axes(const std::string& up_name, double front) {
   const Vector3d up = axis_vector(up_name);
   Vector3d forward = Vector3d::UnitY();
   if (up.y() != 0) forward = -up.y() * Vector3d::UnitZ();
   if (up.z() < 0) forward = -Vector3d::UnitY();
   Eigen::Matrix3d axes;
   axes << forward.cross(up), forward, up;
-  return axes;
+  if (front == 0) return axes;
+  // Quarter turns are exact, so that a front along an axis gives cameras along it.
+  const double c = std::cos(front * kRadians), s = std::sin(front * kRadians);
+  const auto exact = [](double v) { return std::abs(v - std::round(v)) < 1e-12 ? std::round(v) : v; };
+  Eigen::Matrix3d turned = axes;
+  turned.col(0) = exact(c) * axes.col(0) + exact(s) * axes.col(1);
+  turned.col(1) = exact(c) * axes.col(1) - exact(s) * axes.col(0);
+  return turned;
+}
+
+std::optional<double> front_degrees(const std::string& front, const std::string& up) {
+  const std::string letter = front.substr(!front.empty() && front[0] == '-' ? 1 : 0);
+  if (letter == "x" || letter == "y" || letter == "z") {
+    const Vector3d faces = axis_vector(front);
+    const Eigen::Matrix3d axes = scene_axes(up);
+    if (faces.dot(axes.col(2)) != 0) {
+      throw Error(ExitCode::usage,
+                  fmt::format("--front: found {}, expected an axis across up, which is {}", front, up));
+    }
+    return std::atan2(faces.dot(axes.col(0)), -faces.dot(axes.col(1))) / kRadians;
+  }
+  double degrees = 0;
+  const char* const end = front.data() + front.size();
+  const auto [rest, failure] = std::from_chars(front.data(), end, degrees);
+  if (failure != std::errc() || rest != end || !(std::abs(degrees) <= 360)) return std::nullopt;
+  return degrees;
+}
+
+double azimuth_of(const Camera& camera, const Vector3d& center, const std::string& up) {
+  const Eigen::Matrix3d axes = scene_axes(up);
+  const Vector3d offset = camera.center() - center;
+  return std::atan2(offset.dot(axes.col(0)), -offset.dot(axes.col(1))) / kRadians;
+}
+
+Vector3d middle_of(const std::vector<Vector3d>& points) {
+  Vector3d low = points.front(), high = low;
+  for (const Vector3d& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return 0.5 * (low + high);
 }
 
 Camera frame_points(const std::vector<Vector3d>& points, const ViewDirection& direction, const Framing& framing) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,20 @@ inline constexpr std::array<const char*, 4> kViewNames = {"front", "right", "bac
 
 // Columns: right, the way the front camera looks, up; a rotation. For up = z it is the identity, so the front camera
 // looks along +y; for y it looks along -z, for -y along +z (both as captures with that up axis usually stand).
-// Throws an Error (exit code 2) when `up` is no axis.
-Eigen::Matrix3d scene_axes(const std::string& up);
+// front: degrees about up by which that is turned, from the front towards the right. Throws an Error (exit code 2) when
+// `up` is no axis.
+Eigen::Matrix3d scene_axes(const std::string& up, double front = 0);
+
+// The degrees that `front` stands for: an axis, "x" or "-y", is where the front of things faces and the front camera
+// stands; a number from -360 to 360 is itself; anything else is nothing. Throws an Error (exit code 2) for an axis
+// along up.
+std::optional<double> front_degrees(const std::string& front, const std::string& up);
+
+// Where a camera stands, seen from `center`: degrees about up from the usual front towards the right; 0 on the axis.
+double azimuth_of(const Camera& camera, const Eigen::Vector3d& center, const std::string& up);
+
+// The middle of the box around the points (at least one).
+Eigen::Vector3d middle_of(const std::vector<Eigen::Vector3d>& points);
 
 struct ViewDirection {
   double azimuth = 0;    // degrees, from the front towards the right, about up
@@ -30,6 +43,7 @@ struct Framing {
   double fov = 40;       // full vertical angle of view, degrees
   double margin = 0.08;  // part of the half width and half height that stays free
   int width = 0, height = 0;
+  double front = 0;  // degrees that scene_axes takes
 };
 
 // The nearest camera with that direction that sees all points (scene units, at least one), centred on them.

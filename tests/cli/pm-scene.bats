@@ -134,6 +134,36 @@ cameras() {
   grep -q '"n": 48' "$OUT/scene.json"
 }
 
+@test "import --front turns the views: an axis, degrees, a view's name; left and right follow" {
+  first_axis() { python3 -c "import json,sys; print([round(v, 6) + 0 for v in json.load(open('$OUT/scene.json'))['views'][0]['camera']['world_to_camera'][0][:3]])"; }
+  import "$TINY/gaussians.ply" --prompt x --up z
+  [ "$(first_axis)" = "[1.0, 0.0, 0.0]" ]
+  import "$TINY/gaussians.ply" --prompt x --up z --front x
+  [ "$(first_axis)" = "[0.0, 1.0, 0.0]" ]
+  grep -q '"front": "x"' "$OUT/scene.json"
+  before="$(sed '/"front": "/d' "$OUT/scene.json")"
+  import "$TINY/gaussians.ply" --prompt x --up z --front 90
+  [ "$(sed '/"front": "/d' "$OUT/scene.json")" = "$before" ]
+  import "$TINY/gaussians.ply" --prompt x --up z --front=-x
+  [ "$(first_axis)" = "[0.0, -1.0, 0.0]" ]
+  # Of views of the user's own the nearest, or the one that is named, comes first.
+  python3 - "$OUT/scene.json" > "$BATS_TEST_TMPDIR/cameras.json" <<'PY'
+import json, sys
+print(json.dumps([{**v, "image": v["image"].removeprefix("views/")} for v in json.load(open(sys.argv[1]))["views"]]))
+PY
+  cp -r "$OUT/views" "$BATS_TEST_TMPDIR/views"
+  own() { import "$TINY/gaussians.ply" --prompt x --up z --views "$BATS_TEST_TMPDIR/views" --cameras "$BATS_TEST_TMPDIR/cameras.json" "$@"; }
+  own --front x
+  [ "$(first_axis)" = "[0.0, 1.0, 0.0]" ]
+  own --front right
+  [ "$(first_axis)" = "[1.0, 0.0, 0.0]" ]
+  rm -r "$OUT"
+  refused 2 "--front" own --front nowhere
+  refused 2 "--front" import "$TINY/gaussians.ply" --prompt x --up z --front z
+  refused 2 "--cameras" import "$TINY/gaussians.ply" --prompt x --up z --front nowhere
+  [ ! -e "$OUT" ]
+}
+
 @test "bad prompts, files and names are refused and nothing is written" {
   refused_input "--prompt" import "$TINY/gaussians.ply" --prompt "  "
   refused_input "nowhere.ply" import "$BATS_TEST_TMPDIR/nowhere.ply" --prompt x

@@ -1,9 +1,11 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <cstring>
 #include <tuple>
 
 #include "bundle/view_rig.h"
+#include "records/run_specification.h"
 #include "scene/placement.h"
 
 using namespace physmas;
@@ -41,6 +43,41 @@ TEST_CASE("scene axes are rotations, and the front camera looks where the table 
   CHECK(scene_axes("-y").col(1).isApprox(Vector3d::UnitZ()));
   CHECK(scene_axes("y").col(1).isApprox(Vector3d(-Vector3d::UnitZ())));
   CHECK_THROWS(scene_axes("w"));
+}
+
+TEST_CASE("the front: an axis or degrees turn the scene's axes about up") {
+  // With z up the usual front faces -y, and the right view stands on +x.
+  CHECK(front_degrees("-y", "z") == 0);
+  CHECK(*front_degrees("x", "z") == doctest::Approx(90));
+  CHECK(std::abs(*front_degrees("y", "z")) == doctest::Approx(180));
+  CHECK(*front_degrees("-x", "z") == doctest::Approx(-90));
+  CHECK(front_degrees("33.5", "z") == 33.5);
+  for (const char* no : {"400", "north", "", "-", "nan", "12deg"}) CHECK_FALSE(front_degrees(no, "z").has_value());
+  CHECK_THROWS(front_degrees("z", "z"));
+  CHECK_THROWS(front_degrees("-y", "y"));
+  for (const char* up : {"x", "-x", "y", "-y", "z", "-z"}) {
+    for (const char* front : {"x", "-x", "y", "-y", "z", "-z"}) {
+      if (front[std::strlen(front) - 1] == up[std::strlen(up) - 1]) continue;
+      const Eigen::Matrix3d axes = scene_axes(up, *front_degrees(front, up));
+      CAPTURE(up);
+      CAPTURE(front);
+      CHECK((axes * axes.transpose()).isIdentity(1e-12));
+      CHECK(axes.determinant() == doctest::Approx(1));
+      // The front camera looks against the way that the front faces, and is level.
+      CHECK(axes.col(1) == Vector3d(-axis_vector(front)));
+      CHECK(axes.col(2) == axis_vector(up));
+    }
+  }
+}
+
+TEST_CASE("views and the output camera turn with the front") {
+  const Framing usual = {"z", 40, 0.1, 200, 200}, turned = {"z", 40, 0.1, 200, 200, 90};
+  const std::vector<Camera> before = view_cameras(kCorners, 10, usual), after = view_cameras(kCorners, 10, turned);
+  // What was the right view is the front; the others follow.
+  for (size_t i = 0; i < 4; ++i) CHECK(after[i].world_to_camera.isApprox(before[(i + 1) % 4].world_to_camera, 1e-9));
+  const Camera output = frame_points(kCorners, {25, 15}, turned);
+  CHECK(output.world_to_camera.isApprox(frame_points(kCorners, {115, 15}, usual).world_to_camera, 1e-9));
+  CHECK(azimuth_of(output, middle_of(kCorners), "z") == doctest::Approx(115).epsilon(0.02));
 }
 
 TEST_CASE("a framed camera sees every point, and could not be nearer") {

@@ -371,6 +371,14 @@ TEST_CASE("cameras: four views of many are those nearest to front, right, back a
   CHECK(views[chosen[2].index].image == "180");
   CHECK(views[chosen[3].index].image == "260");
   CHECK(chosen[0].angle == doctest::Approx(std::atan(0.2) * 180 / std::acos(-1)));
+  // Another front: the sides turn with it.
+  const auto turned = choose_views(views, points, "z", "c.json", 160);
+  CHECK(views[turned[0].index].image == "160");
+  CHECK(views[turned[2].index].image == "340");
+  CHECK(views[turned[3].index].image == "60");
+  // A view that must be the front is it, although another would fit as well.
+  CHECK(views[choose_views(views, points, "z", "c.json", 0, 3)[0].index].image == "40");
+  CHECK(contains(message_of([&] { choose_views(views, points, "z", "c.json", 0, 0); }), "does not see"));
   views.resize(4);
   CHECK(contains(message_of([&] { choose_views(views, points, "z", "c.json"); }), "3 of 4 cameras"));
 }
