@@ -7,6 +7,7 @@
 #              OPACITY, CROP, DROP, AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
 #   SCENE      a scene.json                                 -> used where it lies
 # PROMPT   what shall happen, instead of what the scene says
+# MATERIAL what parts are made of: "head=Rubber body=Wood", or one label for all        -> pm-ground --material
 # SPEC     a run specification: below what is imported, above an example's or a bundle's own
 # SET      run settings that win over the scene's: SET="screening.tau=0.6 time.frames=20"
 # SCENE_AGENT  who proposes inventory and plan: builtin, the URL of a chat server (with MODEL), or replay:DIR  -> pm-ground --agent
@@ -47,7 +48,7 @@ FORCE:
 # --- What was asked for: rewritten only when it changes -----------------------------------------------------------
 
 SETTINGS := $(value SET)
-GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL),$(v)=$(value $(v))$(newline))
+GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(MATERIAL),MATERIAL) $(if $(SCENE_AGENT),MODEL),$(v)=$(value $(v))$(newline))
 MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))
 include $(PIPELINES)inputs.mk
 $(eval $(call remember,$(RUN)/settings,$(SETTINGS)))
@@ -83,7 +84,7 @@ $(STAMPS)/ground: $(RUN)/spec/ground.json $(RUN)/ground-models $(call replayed,$
 	@$(call or_base,spec/ground.json ground-models,inventory.json plan.json masks.h5) \
 	$(call job,$(@F),$(threads),$(job_inputs),$(GROUNDED),$@.log) \
 	$(BIN)/pm-ground --scene $< --out $(RUN) $(call option,--agent ,SCENE_AGENT) $(if $(SCENE_AGENT),$(call option,--model ,MODEL)) \
-	  $(call option,--perception ,PERCEPTION) --threads $(threads)
+	  $(call option,--perception ,PERCEPTION) $(call option,--material ,MATERIAL) --threads $(threads)
 	$(finish)
 $(GROUNDED): $(STAMPS)/ground ;
 

@@ -13,7 +13,7 @@ struct Advice {
   const char* gate;  // or "score", of a candidate that passes all gates
   const char* text;
 };
-inline constexpr std::array<Advice, 7> kAdvice = {{
+inline constexpr std::array<Advice, 9> kAdvice = {{
     {"plan", "An action names something that is not there: correct the names in plan.json, or the PROMPT."},
     {"process",
      "The simulation was killed, mostly for want of memory: try SET=\"particles.max=50000 grid.n=48\", or run "
@@ -31,6 +31,12 @@ inline constexpr std::array<Advice, 7> kAdvice = {{
     {"support",
      "A part that counts as a support is soft: give it a hard expected label in the INVENTORY= (Wood, Metal, Ceramic), "
      "or a name without a word for supports if it is none."},
+    {"achieved",
+     "An action reached less than the run asks for: the record of the simulation says why and what to change (shortfall "
+     "in rollouts/ID.json); ask for less in the PROMPT, or lower screening.achieved_min."},
+    {"stillness",
+     "What nothing moved drifted: try SET=\"time.start=equilibrium\" so that it carries its weight from the first step "
+     "on, or give it a stiffer material."},
     {"score",
      "All gates passed, but Q is below tau: try SET=\"screening.tau=0.6\", which screens again without simulating "
      "anything, or name the parts' materials."},

@@ -78,7 +78,7 @@ accepted_by_turning() {
 
 @test "gate: advice is the same in the tool and in the documentation" {
   "$bin/pm-screen" --advice >advice
-  [ "$(wc -l <advice)" -eq 7 ]
+  [ "$(wc -l <advice)" -eq 9 ]
   while IFS=$'\t' read -r gate text; do
     [ "${#text}" -gt 40 ]
     grep -qF "$text" "$root/docs/rejected.md"

@@ -25,7 +25,7 @@ ScreenedCandidate candidate() {
 
 TEST_CASE("screen: every gate has a sentence of advice; a diverged simulation has its own") {
   ExecutionRecord execution;
-  for (const char* gate : {"plan", "process", "numerical", "spread", "flattening", "support", "score"}) {
+  for (const char* gate : {"plan", "process", "numerical", "spread", "flattening", "support", "achieved", "stillness", "score"}) {
     const std::string text = advice_for(gate, execution);
     CHECK(text.size() > 40);
     CHECK(text.back() == '.');
