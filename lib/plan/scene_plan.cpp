@@ -82,7 +82,10 @@ class Compiler {
     if (phrase.empty()) return "";
     if (is_pronoun(phrase.back())) return mentioned_;
     std::vector<std::string> found = find_references(inventory_, phrase);
-    if (found.empty() && means_only_object(phrase)) found = {inventory_.objects[0].id};
+    if (found.empty() && means_only_object(phrase)) {
+      found = {inventory_.objects[0].id};
+      if (!one_part_) note(fmt::format("{} taken as {}", quoted(phrase), found[0]));
+    }
     if (found.size() > 1) {
       throw refused(fmt::format("{} with \"{}\", which fits {}", quoted(phrase), word_, join(found)),
                     "a name that fits one of them", "say which, as in \"the PART of the OBJECT\"");

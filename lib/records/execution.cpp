@@ -56,7 +56,7 @@ StartRecord start_from(const Json& json) {
   return start;
 }
 
-Json to_json(const StartRecord& start) {
+Json start_json(const StartRecord& start) {
   Json json = {{"rule", "equilibrium"},          {"supported_parts", start.supported_parts},
                {"free_parts", start.free_parts}, {"supported_particles", start.supported_particles},
                {"iterations", start.iterations}, {"corrections", start.corrections},
@@ -84,7 +84,7 @@ std::vector<AchievedAction> achieved_from(const Json& document) {
   return list;
 }
 
-Json to_json(const AchievedAction& a) {
+Json achieved_json(const AchievedAction& a) {
   Json json = {{"type", action_name(a.type)}, {"rows", a.rows},         {"quantity", a.quantity}, {"unit", a.unit},
                {"requested", a.requested},    {"achieved", a.achieved}, {"share", a.share}};
   if (!a.shortfall.empty()) json["shortfall"] = a.shortfall;
@@ -197,7 +197,7 @@ void save_execution(const std::string& path, const ExecutionRecord& record, cons
       {"retries", record.retries}, {"discarded", record.discarded_steps}};
   json["frames"] = record.frames;
   json["achieved"] = Json::array();
-  for (const AchievedAction& action : record.achieved) json["achieved"].push_back(to_json(action));
+  for (const AchievedAction& action : record.achieved) json["achieved"].push_back(achieved_json(action));
   json["stillness"] = Json();
   if (record.stillness) {
     json["stillness"] = {
@@ -207,7 +207,7 @@ void save_execution(const std::string& path, const ExecutionRecord& record, cons
   json["grid"] = record.grid;
   json["precision"] = record.precision;
   json["deformation"] = record.deformation;
-  if (record.start) json["start"] = to_json(*record.start);
+  if (record.start) json["start"] = start_json(*record.start);
   json["omitted"] = to_json(record.omitted);
   json["runtime"] = record.runtime;
   save_record(path, "execution", provenance, json);

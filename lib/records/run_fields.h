@@ -23,6 +23,7 @@ enum Stage : unsigned {
 inline constexpr std::array<const char*, 3> kColliderTypes = {"plane", "box", "sphere"};
 inline constexpr std::array<const char*, 3> kColliderModes = {"sticky", "slip", "separate"};
 inline constexpr std::array<const char*, 2> kTimeRules = {"paper", "cfl"};
+inline constexpr std::array<const char*, 2> kOnDivergence = {"stop", "cfl"};
 inline constexpr std::array<const char*, 2> kStarts = {"rest", "equilibrium"};
 inline constexpr std::array<const char*, 2> kOcclusions = {"none", "depth"};
 inline constexpr std::array<const char*, 2> kDeformations = {"elastic", "total"};

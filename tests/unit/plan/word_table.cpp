@@ -29,8 +29,18 @@ TEST_CASE("words: forms of verbs, directions and factors are what the table says
   CHECK(find_verb("rose")->direction == "up");
   CHECK(find_verb("shrunk")->direction == "in");
   CHECK(find_verb("slumps")->meaning.kind == Meaning::Kind::gravity);
-  CHECK(find_verb("splashed")->meaning.kind == Meaning::Kind::outcome);
-  CHECK_FALSE(find_verb("eat"));
+  CHECK(find_verb("bounced")->meaning.kind == Meaning::Kind::outcome);
+  CHECK(find_verb("splashed")->meaning.kind == Meaning::Kind::not_modelled);
+  CHECK(find_verb("splashed")->meaning.field == "liquid");
+  CHECK(find_verb("topples")->meaning.tips);
+  CHECK_FALSE(find_verb("think"));
+  CHECK(find_region("headstock") == Region::top);
+  CHECK(find_region("base") == Region::bottom);
+  CHECK(find_region("cake") == Region::none);
+  CHECK(find_material("wooden") == kWood);
+  CHECK_FALSE(find_material("edge"));
+  CHECK(replace_phrases({"after", "that", "it", "flies", "into", "the", "air"}) ==
+        std::vector<std::string>{"then", "it", "flies", "upwards"});
   CHECK(find_direction("anticlockwise") == DirectionWord::counterclockwise);
   CHECK(find_direction("-y") == DirectionWord::minus_y);
   CHECK(find_direction("cake") == DirectionWord::none);
