@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "base/embedded_text.h"
+#include "records/labels.h"
 #include "unit/input_error.h"
 
 using namespace physmas;
