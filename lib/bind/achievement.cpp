@@ -314,16 +314,19 @@ std::string AchievementMeter::Meter::shortfall() const {
   if (!moved) return "the run ended before it; give it an earlier start or the run more frames";
   if (!ended) return "the run ended before its end; give it less time or the run more frames";
   const double from = quantity == "ratio" || quantity == "spread" ? 1 : 0;
-  if (std::abs(reachable - from) < kMet * std::abs(requested - from)) {
+  // Of a hold nothing is bounded.
+  const double within = std::abs(requested - from) > 0 ? (reachable - from) / (requested - from) : 1;
+  if (within < kMet && share() >= kMet * within) {
     if (op.enforced) {
       return fmt::format(
-          "it is bounded to {:.3g} of that, so that nothing breaks or is thrown (speed {:.3g} m/s, shear "
-          "{:.3g}); give it more time or ask for less",
-          (reachable - from) / (requested - from), op.speed_limit, op.strain_limit);
+          "it is bounded to {:.3g} of that, so that nothing breaks or is thrown (speed {:.3g} m/s, shear {:.3g}); give "
+          "it "
+          "more time or ask for less",
+          within, op.speed_limit, op.strain_limit);
     }
     return fmt::format(
         "its speed is bounded to {:.3g} m/s, which leaves {:.3g} of it; give it more time or ask for less",
-        op.speed_limit, (reachable - from) / (requested - from));
+        op.speed_limit, within);
   }
   const unsigned fields = operation_fields(op.kind);
   if ((fields & kHasBlendTime) && op.kind != Kind::drag_pair && !op.enforced) {

@@ -107,16 +107,20 @@ PY
   run_prompt "twist the lollipop"
   grep -q '"drive": "enforced"' candidates/support-stiff.json
   grep -q '"release": 0.25' candidates/support-stiff.json
-  python3 -c "assert $(achieved share | head -1) > 0.99"
+  python3 -c "assert $(achieved share | sed -n 1p) > 0.99"
   [ -z "$(achieved shortfall)" ]
   set_run controls '{"stiff": "blended", "release": "literal"}'
   make_candidates
   grep -q '"drive": "blended"' candidates/support-stiff.json
   grep -q '"release": 0.0' candidates/support-stiff.json
-  simulate --frames 8 --log-level warning 2>err
-  [ "$(wc -l <err)" -eq 1 ]
-  grep -q 'support-stiff: torque of lollipop/candy, lollipop/stick: angle .* its bounded force does not move Metal of 1e+07 Pa; choose a softer material, or controls.stiff=enforced' err
-  python3 -c "assert $(achieved share | head -1) < 0.5"
+  simulate --frames 8 --quiet
+  python3 -c "assert $(achieved share | sed -n 1p) < 0.9"  # a stick of a few particles is not that stiff
+
+  # A squeeze is a bounded force for whatever is squeezed.
+  run_prompt "squeeze the candy"
+  edit candidates/support-stiff.json 's/"E": 1000000.0/"E": 10000000.0/'
+  simulate --frames 8 2>err
+  [ "$(grep -c 'support-stiff: side_compress of lollipop/candy: ratio 0.9[0-9]* of 0.65: its bounded force does not move Jelly of 1e+07 Pa; choose a softer material$' err)" -eq 2 ]
   set_run controls '{"stiff": "broken"}'
   fails_with 3 simulate -- "/run/controls/stiff" "broken"
 }

@@ -245,6 +245,15 @@ TEST_CASE("bind achievement: bounds, short actions, and runs that end early") {
   twist.speed_limit = 0.5;  // of 8 rad/s at a quarter of a metre
   const auto bounded = measured({twist}, [](const Vec3d& x, double t) { return turned(x, 0.7 * part(t, 0.1, 0.5)); });
   CHECK(bounded[0].shortfall.find("its speed is bounded to 0.5 m/s") != std::string::npos);
+  // It did not even reach its bound: that is not why.
+  const auto stuck = measured({twist}, [](const Vec3d& x, double t) { return turned(x, 0.1 * part(t, 0.1, 0.5)); });
+  CHECK(stuck[0].shortfall.find("its bounded force does not move Metal of 7e+07 Pa") != std::string::npos);
+  twist.enforced = true;
+  twist.slab_fraction = 0.2;
+  twist.strain_limit = 0.25;
+  const auto sheared = measured({twist}, [](const Vec3d& x, double t) { return turned(x, 0.44 * part(t, 0.1, 0.5)); });
+  CHECK(sheared[0].shortfall.find("so that nothing breaks or is thrown (speed 0.5 m/s, shear 0.25)") !=
+        std::string::npos);
 
   // Between two frames: the frame after it tells.
   ScheduleOperation push = operation(Kind::translation, 0.045, 0.075);

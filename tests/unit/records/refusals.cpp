@@ -21,6 +21,7 @@ const char* const kScreen = R"({"schema": "physmas/screen/1", "round": 1, "tau":
   "candidates": [{"id": "a", "transform": "posterior", "order": 0, "round": 0,
     "features": {"video": 0.5, "part_confidence": 0.5, "diversity": 0.5, "role": 1, "base": 0.5, "density": 0.25, "solver": 1},
     "video_terms": [{"term": "motion", "value": 0.5}], "penalty": 0, "score": 0.75,
+    "achieved": 0.5, "stillness": 0.75,
     "gates": [{"name": "plan", "passed": true, "measured": 1, "limit": null}],
     "valid": true, "admitted": true, "rank": 1}],
   "decision": "accept", "reason": "best", "accepted": "a", "repair": null,
