@@ -30,7 +30,7 @@ using Stress = std::vector<Symmetric<double>>;
 // which another follows, because contacts would have to pull or rows do not bear it.
 constexpr double kTolerance = 5e-3, kRoughTolerance = 0.05;
 constexpr int kMostIterations = 2000, kMostRoughIterations = 120;  // per balance
-constexpr int kMostCorrections = 12, kMostYields = 4;
+constexpr int kMostCorrections = 16, kMostYields = 6;
 constexpr double kSoftest = 1e-4;  // share of a modulus that is left to what yields
 // A particle touches a support when so much of its weight lies on nodes that the support holds: one that is 1.3 cells
 // above the nodes of a floor does not.
@@ -108,13 +108,14 @@ class Balancing {
   void report(std::vector<Mat3d>& F, Equilibrium& result) const;
 
  private:
-  // What the particles of a part feel, Σ m min(a², g²) over Σ m g² (a few light ones that nothing can hold must not
-  // hide that the rest is in balance), and all forces on it together over its weight.
   struct Part {
-    double felt = 0, net = 0, mass = 0;
+    // What its particles feel over their weight, Σ m a² over Σ m g², and with min(a², g²): a few light ones that
+    // nothing can hold must not hide that the rest is in balance.
+    double felt = 0, felt_bounded = 0;
+    double net = 0;  // all forces together over the weight
+    double mass = 0;
     bool left = false;  // to itself: it is not in balance
   };
-  static double felt_by_all(const std::vector<Part>& parts, bool with_left = true);
   NodeField force(const Stress& tau) const;  // gravity less stress
   void balance(double tolerance, int most, Equilibrium& result);
   bool carry(Carrying& now);
@@ -197,17 +198,6 @@ bool Balancing::carry(Carrying& now) {
   return std::any_of(changed.begin(), changed.end(), [](char c) { return c != 0; });
 }
 
-// The root of the mean by mass.
-double Balancing::felt_by_all(const std::vector<Part>& parts, bool with_left) {
-  double squares = 0, mass = 0;
-  for (const Part& part : parts) {
-    if (part.left && !with_left) continue;
-    squares += part.mass * part.felt;
-    mass += part.mass;
-  }
-  return mass > 0 ? std::sqrt(squares / mass) : 0;
-}
-
 std::vector<Balancing::Part> Balancing::judge(const Carrying& now) const {
   NodeField acceleration = force(now.tau);
   std::vector<Vec3d> net(part_count_, Vec3d{0, 0, 0});
@@ -223,13 +213,16 @@ std::vector<Balancing::Part> Balancing::judge(const Carrying& now) const {
   for (size_t p = 0; p < grid_.size(); ++p) {
     Part& part = parts[part_of_[grid_.any_node(p)]];
     const double m = rows_.parameters[grid_.row(p)].density * grid_.volume(p);
-    part.felt += m * std::min(1.0, dot(felt[p], felt[p]) / (gravity * gravity));
+    const double squared = dot(felt[p], felt[p]) / (gravity * gravity);
+    part.felt += m * squared;
+    part.felt_bounded += m * std::min(1.0, squared);
     part.mass += m;
   }
   for (int c = 0; c < part_count_; ++c) {
     parts[c].felt /= parts[c].mass;
+    parts[c].felt_bounded /= parts[c].mass;
     parts[c].net = norm(net[c]) / (parts[c].mass * gravity);
-    parts[c].left = parts[c].net > kUnbalanced || std::sqrt(parts[c].felt) > kUseless;
+    parts[c].left = parts[c].net > kUnbalanced || std::sqrt(parts[c].felt_bounded) > kUseless;
   }
   return parts;
 }
@@ -237,6 +230,7 @@ std::vector<Balancing::Part> Balancing::judge(const Carrying& now) const {
 void Balancing::solve(Equilibrium& result) {
   double best = std::numeric_limits<double>::infinity();
   int yields = 0;  // balances that asked more than rows bear
+  int stale = 0;   // of them, the last ones in a row that helped little
   for (int correction = 0; correction <= kMostCorrections && yields <= kMostYields; ++correction) {
     // A preconditioner for moduli that are somewhat larger does nearly as well as a new one.
     if (correction == 0 || yields == 1 || yields == 3)
@@ -252,16 +246,18 @@ void Balancing::solve(Equilibrium& result) {
     }
     yields += softened;
     result.corrections = correction;
-    const double felt = felt_by_all(judge(now));
+    double felt = 0, mass = 0;
+    for (const Part& part : judge(now)) felt += part.mass * part.felt, mass += part.mass;
+    felt = std::sqrt(felt / mass);
     if (!std::isfinite(felt)) break;
-    const bool worth_more = felt < 0.9 * best;
+    stale = felt < 0.95 * best ? 0 : stale + 1;
     if (felt < best) {
       // What was better on supports that would have had to pull does not count.
       best = moved > 0 ? std::numeric_limits<double>::infinity() : felt;
       best_ = std::move(now);
       best_supports_ = supports_;
     }
-    if (moved == 0 && !(softened && worth_more)) break;
+    if (moved == 0 && (!softened || stale > 1)) break;
   }
   supports_ = best_supports_;
 }
@@ -276,7 +272,11 @@ void Balancing::report(std::vector<Mat3d>& F, Equilibrium& result) const {
   const int left = static_cast<int>(std::count_if(parts.begin(), parts.end(), [](const Part& p) { return p.left; }));
   result.supported_parts -= left;
   result.free_parts += left;
-  result.residual = felt_by_all(parts, false);
+  double felt = 0, mass = 0;
+  for (const Part& part : parts) {
+    if (!part.left) felt += part.mass * part.felt_bounded, mass += part.mass;
+  }
+  if (mass > 0) result.residual = std::sqrt(felt / mass);
   for (size_t p = 0; p < grid_.size(); ++p) {
     if (parts[part_of_[grid_.any_node(p)]].left) continue;
     F[grid_.particle(p)] = best_.F[p];

@@ -164,6 +164,14 @@ PY
   [ ! -e "$OUT" ]
 }
 
+@test "what stands in a capture carries its weight from the start, unless the run specification says otherwise" {
+  import "$TINY/gaussians.ply" --prompt "it stands" --up z --drop 0
+  grep -q '"start": "equilibrium"' "$OUT/scene.json"
+  echo '{"schema": "physmas/run/1", "time": {"start": "rest"}}' > "$BATS_TEST_TMPDIR/run.json"
+  import "$TINY/gaussians.ply" --prompt "it stands" --up z --drop 0 --run "$BATS_TEST_TMPDIR/run.json"
+  grep -q '"start": "rest"' "$OUT/scene.json"
+}
+
 @test "bad prompts, files and names are refused and nothing is written" {
   refused_input "--prompt" import "$TINY/gaussians.ply" --prompt "  "
   refused_input "nowhere.ply" import "$BATS_TEST_TMPDIR/nowhere.ply" --prompt x
