@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "lift/assignment.h"
 #include "lift/initial_state.h"
+#include "lift/islands.h"
 #include "lift/label_picture.h"
 #include "records/inventory.h"
 #include "records/masks.h"
@@ -18,6 +19,7 @@
 #include "records/truth.h"
 #include "scene/gaussian_files.h"
 #include "scene/image_file.h"
+#include "scene/placement.h"
 
 using namespace physmas;
 
@@ -54,13 +56,24 @@ void check_residual_rows(const Inventory& inventory, const std::string& file) {
   }
 }
 
-// By the masks of the views.
+// By the masks of the views. What became of islands is added to `omitted`.
 lift::Labels assigned_labels(const Scene& scene, const Inventory& inventory, const Gaussians& gaussians,
-                             const std::vector<ViewMasks>& masks, const std::vector<Camera>& cameras) {
-  const lift::Labels labels = lift::assign_rows({gaussians, cameras, masks, inventory, scene.run.lifting.occlusion});
+                             const std::vector<ViewMasks>& masks, const std::vector<Camera>& cameras,
+                             std::vector<Omission>& omitted) {
+  lift::Labels labels = lift::assign_rows({gaussians, cameras, masks, inventory, scene.run.lifting.occlusion});
   log_info(fmt::format("{} Gaussians in no view, {} hidden, {} object and {} part votes, {} rescued, {} residual",
                        labels.counts.unseen, labels.counts.hidden, labels.counts.object_votes, labels.counts.part_votes,
                        labels.counts.rescued, labels.counts.residual));
+  if (scene.run.lifting.islands == RunSpecification::Lifting::Islands::keep) return labels;
+  const double cell = scene.run.grid.dx() / solver_map(gaussians, scene.run).s;
+  const lift::Islands islands = lift::join_islands(gaussians, inventory, cell, labels);
+  omitted = islands.omitted;
+  if (!omitted.empty()) {
+    log_warning(fmt::format(
+        "small pieces hang apart from their rows; given to what they touch: {} Gaussians ({} pieces); left, as they "
+        "touch nothing: {} ({}); the state names the rows",
+        islands.given, islands.given_pieces, islands.apart, islands.apart_pieces));
+  }
   return labels;
 }
 
@@ -89,10 +102,13 @@ int lift_scene(const Options& options) {
   if (gaussians.size() == 0) throw invalid_input({scene.gaussians, "", "no Gaussians", "at least one"});
   log_info(fmt::format("read {} Gaussians after {:.2f} s", gaussians.size(), watch.seconds()));
 
-  const lift::Labels labels = options.labels.empty() ? assigned_labels(scene, inventory, gaussians, masks, cameras)
-                                                     : given_labels(options, inventory, gaussians.size());
+  std::vector<Omission> omitted;
+  const lift::Labels labels = options.labels.empty()
+                                  ? assigned_labels(scene, inventory, gaussians, masks, cameras, omitted)
+                                  : given_labels(options, inventory, gaussians.size());
   log_info(fmt::format("rows after {:.2f} s", watch.seconds()));
-  const State state = lift::initial_state(gaussians, labels, inventory, scene.run, scene.gaussians);
+  State state = lift::initial_state(gaussians, labels, inventory, scene.run, scene.gaussians);
+  state.omitted.insert(state.omitted.end(), omitted.begin(), omitted.end());
   log_info(fmt::format("{} particles after {:.2f} s", state.particle_count(), watch.seconds()));
   for (const Omission& omission : state.omitted) log_info(omission.what + ": " + omission.why);
 

@@ -25,6 +25,7 @@ inline constexpr std::array<const char*, 3> kColliderModes = {"sticky", "slip", 
 inline constexpr std::array<const char*, 2> kTimeRules = {"paper", "cfl"};
 inline constexpr std::array<const char*, 2> kOnDivergence = {"stop", "cfl"};
 inline constexpr std::array<const char*, 2> kStarts = {"rest", "equilibrium"};
+inline constexpr std::array<const char*, 2> kIslands = {"keep", "join"};
 inline constexpr std::array<const char*, 2> kOcclusions = {"none", "depth"};
 inline constexpr std::array<const char*, 2> kDeformations = {"elastic", "total"};
 
@@ -112,6 +113,8 @@ void visit_fields(Run& run, Visitor& v) {
       "occlusion", choice(run.lifting.occlusion, kOcclusions), {},
       "none: evidence from every view that a Gaussian projects into, as the paper writes it; depth: only from views "
       "that see it");
+  v.field("islands", choice(run.lifting.islands, kIslands), {},
+          "join: small pieces of a row that hang apart from it are given to the row that they touch; keep: they stay");
 
   v.section("profile", kSimulate, "constants of the six solver profiles, solver-space pascals");
   v.field("foam_yield", run.profile.foam_yield, kPositive, "");
@@ -148,7 +151,7 @@ void visit_fields(Run& run, Visitor& v) {
   v.field("repairs", run.screening.repairs, between(0, 6), "new candidates per repair round", kCandidates);
   v.field("tau", run.screening.tau, {}, "acceptance threshold of Q");
   v.field("excuse_rotation", run.screening.excuse_rotation, {},
-          "what fails spread or flattening in the image passes where it holds in the objects' own frame; false: image "
+          "what fails spread or flattening in the image passes where both hold in the objects' own frame; false: image "
           "boxes alone, as the paper writes it");
   v.field("achieved_min", run.screening.achieved_min, kUnit,
           "gate: the smallest share of its request that an action must have met; 0: no gate");

@@ -74,6 +74,8 @@ struct RunSpecification {
     // none: a Gaussian takes evidence from every view that it projects into, seen or not, as the paper writes it.
     // depth: only from views in which nothing lies in front of it.
     enum class Occlusion { none, depth } occlusion = Occlusion::none;
+    // join: small pieces of a row that hang apart from it are given to what they touch.
+    enum class Islands { keep, join } islands = Islands::join;
   } lifting;
 
   // Fixed constants of the six profiles, solver-space pascals (readings, "Constitutive branches and stepping").

@@ -109,3 +109,37 @@ nothing_written() { [ ! -e "$BATS_TEST_TMPDIR/out" ] || [ -z "$(find "$BATS_TEST
   lift
   expect_error 3 "file"
 }
+
+@test "pm-lift: a chip that hangs apart from its row goes to what it touches, one in mid-air is reported, and both can be kept" {
+  cd "$BATS_TEST_TMPDIR"
+  cat >chips.json <<'J'
+{"schema": "physmas/example/1", "name": "chips", "prompt": "the ball falls", "seed": 5, "spacing": 0.08,
+ "objects": [
+   {"id": "ball", "name": "ball", "parts": [{"part": "body", "name": "ball", "shapes": [
+     {"type": "sphere", "radius": 0.5, "center": [0, 0, 1.8], "color": [0.9, 0.1, 0.1]},
+     {"type": "sphere", "radius": 0.05, "center": [0.6, -0.53, 0.5], "color": [0.9, 0.1, 0.1]},
+     {"type": "sphere", "radius": 0.05, "center": [-0.9, 0, 1.8], "color": [0.9, 0.1, 0.1]}]}]},
+   {"id": "box", "name": "box", "parts": [{"part": "body", "name": "box", "shapes": [
+     {"type": "box", "size": [2, 1, 1], "center": [0, 0, 0.5], "color": [0.1, 0.1, 0.9]}]}]}],
+ "run": {"grid": {"n": 48}, "lifting": {"occlusion": "depth"}}}
+J
+  "$bin/pm-scene" synth chips.json --out chips --true-masks
+  "$bin/pm-ground" --scene chips/scene.json --out run --perception masks:chips/true-masks
+  chips() { # FLAG...
+    "$bin/pm-scene" slice --scene chips/scene.json --out spec "$@"
+    "$bin/pm-lift" --scene spec/lift.json --inventory run/inventory.json --masks run/masks.h5 --out run/state.h5 2>errors
+    "$bin/pm-eval" labels --scene chips/scene.json --inventory run/inventory.json --state run/state.h5 --out labels.json >table
+  }
+  chips
+  cat errors
+  [ "$(wc -l <errors)" -eq 1 ]
+  grep -Eq 'given to what they touch: [1-9][0-9]* Gaussians \(1 pieces\); left, as they touch nothing: [1-9][0-9]* \(1\)' errors
+  grep -aq 'islands of ball/body' run/state.h5
+  grep -aq 'given to box/body' run/state.h5
+  joined=$(grep row_accuracy labels.json)
+  chips --set lifting.islands=keep
+  [ ! -s errors ]
+  refute grep -aq islands run/state.h5
+  # The truth of this scene has the chips in the ball's row.
+  [ "$(grep row_accuracy labels.json)" != "$joined" ]
+}
