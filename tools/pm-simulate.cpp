@@ -68,7 +68,7 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   const std::optional<mpm::Equilibrium> start = bind::bind_start(run.time, common.device, problem);
   const auto attempt = [&](const std::string& by, const mpm::Options& solver, bool only_if_stable) {
     const bind::BoundTiming timing = bind::bind_timing(by, run.time, candidate, options.candidate);
-    bind::RolloutRecorder rollout(options.out, state.gaussian_count(), solver, provenance);
+    bind::RolloutRecorder rollout(options.out, state.carrier_count(), solver, provenance);
     rollout.start_from(problem.particles.deformation_gradient);
     bind::AchievementMeter achievement(candidate, problem, bind::to_mpm(run.placement.up_vector()), run.time.frame_dt);
     bind::StillnessMeter stillness(candidate, problem);

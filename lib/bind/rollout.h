@@ -14,7 +14,7 @@ namespace physmas::bind {
 // "elastic".
 std::string deformation_name(const mpm::Options& options);
 
-// Writes the Gaussians, which are the first particles, of each frame that the solver hands out.
+// Writes the Gaussians among the particles, which are the first ones, of each frame that the solver hands out.
 class RolloutRecorder {
  public:
   RolloutRecorder(const std::string& path, size_t gaussians, const mpm::Options& options, const Provenance& provenance);

@@ -383,6 +383,13 @@ void write_import_bundle(const ImportOptions& given) {
   for (const Omission& field : configuration.not_mapped) fmt::print("not mapped: {}: {}\n", field.what, field.why);
   std::fflush(stdout);
   if (!warning.empty()) log_warning(options.gaussians + ": " + warning);
+  const size_t simulated = scene.run.particles.simulated(gaussians.size());
+  if (simulated < gaussians.size()) {
+    log_warning(
+        fmt::format("{}: {} Gaussians are more than particles.max = {}: {} of them are simulated and carry the "
+                    "others",
+                    options.gaussians, gaussians.size(), scene.run.particles.max, simulated));
+  }
   log_info(fmt::format("{}: {} Gaussians", options.folder, gaussians.size()));
 }
 

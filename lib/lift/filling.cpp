@@ -6,6 +6,8 @@
 #include <functional>
 #include <numeric>
 
+#include "lift/curve.h"
+
 namespace physmas::lift {
 namespace {
 
@@ -199,15 +201,6 @@ double solidity_of(const Lattice& lattice, const Cells& inner, const Cells& mean
   return whole == 0 ? 0 : static_cast<double>(held) / static_cast<double>(whole);
 }
 
-// Position on the Z-order curve, 21 bits per axis.
-uint64_t curve_position(const Eigen::Vector3i& c) {
-  uint64_t code = 0;
-  for (int bit = 0; bit < 21; ++bit) {
-    for (int a = 0; a < 3; ++a) code |= (static_cast<uint64_t>(c[a] >> bit) & 1) << (3 * bit + a);
-  }
-  return code;
-}
-
 struct Interior {
   Cells inner;  // inside without what bodies on the surface reach outwards
   long cells = 0, inner_cells = 0;
@@ -296,7 +289,7 @@ Filling fill_objects(const Gaussians& gaussians, const std::vector<Eigen::Vector
   // Thin evenly along the curve: to the density, then to the particle limit.
   const double density = run.particles.per_cell / std::pow(lattice.per_axis, 3);
   const long wanted = std::lround(static_cast<double>(sites.size()) * std::min(1.0, density));
-  const long room = std::max(0L, static_cast<long>(run.particles.max) - static_cast<long>(means.size()));
+  const long room = run.particles.max - static_cast<long>(run.particles.simulated(means.size()));
   const long keep = std::min(wanted, room), all = static_cast<long>(sites.size());
   filling.kept = all == 0 ? 1 : static_cast<double>(keep) / static_cast<double>(all);
   std::vector<Site> kept;

@@ -36,7 +36,7 @@ struct Filling {
 //      hold a Gaussian of any object, or that another object takes up, are left out.
 // An object is solid, and left as it is, when 95 % of the solver cells that lie wholly inside hold one of its
 // Gaussians. An object that encloses nothing is open. The lattice is thinned evenly (along a space-filling curve) to
-// the density and to max - N_G particles.
+// the density and to the particles that the Gaussians leave of `max`.
 //
 // means: N(x) of all Gaussians, solver space. object: [N] labels. The result does not depend on the thread count.
 Filling fill_objects(const Gaussians& gaussians, const std::vector<Eigen::Vector3f>& means,

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
+#include <set>
 
 #include "base/error.h"
+#include "lift/carriers.h"
 #include "lift/filling.h"
 #include "scene/neighbors.h"
 #include "scene/placement.h"
@@ -39,33 +42,42 @@ void report_filling(const Filling& filling, const Inventory& inventory, const Ru
 
 State initial_state(const Gaussians& gaussians, const Labels& labels, const Inventory& inventory,
                     const RunSpecification& run, const std::string& file) {
-  const size_t n = gaussians.size();
-  if (n > static_cast<size_t>(run.particles.max)) {
-    throw invalid_input({file, "", fmt::format("{} Gaussians", n),
-                         fmt::format("at most {}, the run's particles.max", run.particles.max),
-                         "raise particles.max, or prune the Gaussians"});
-  }
+  const size_t all = gaussians.size(), n = run.particles.simulated(all);
   State state;
   state.map = solver_map(gaussians, run);
   state.row_keys = inventory.row_keys();
   state.gaussian_object = labels.object;
   state.gaussian_row = labels.row;
   state.gaussian_confidence = labels.confidence;
-  state.object = labels.object;
-  state.row = labels.row;
-  state.position.resize(n);
-  state.source.resize(n);
-  for (size_t i = 0; i < n; ++i) {
-    state.position[i] = state.map.to_solver(gaussians.position[i].cast<double>()).cast<float>();
-    state.source[i] = static_cast<int32_t>(i);
+  std::vector<Eigen::Vector3f> means(all);
+  for (size_t i = 0; i < all; ++i) means[i] = state.map.to_solver(gaussians.position[i].cast<double>()).cast<float>();
+  if (n == all) {
+    state.source.resize(n);
+    std::iota(state.source.begin(), state.source.end(), 0);
+  } else {
+    const size_t rows = std::set<int32_t>(labels.row.begin(), labels.row.end()).size();
+    if (n < rows) {
+      throw invalid_input({file, "", fmt::format("{} Gaussians in {} rows", all, rows),
+                           fmt::format("a particles.max of at least {}", 2 * rows), "raise particles.max"});
+    }
+    state.source = choose_carriers(means, labels.row, n, state.map.length);
+    state.carriers = carry(means, labels.row, state.source);
+    state.omitted.push_back({"simulation of every Gaussian",
+                             fmt::format("{} of {} Gaussians are particles and carry the others: there are more than "
+                                         "particles.max = {}",
+                                         n, all, run.particles.max)});
   }
-  const std::vector<Eigen::Vector3f> means = state.position;
+  for (const int32_t g : state.source) {
+    state.position.push_back(means[g]);
+    state.row.push_back(labels.row[g]);
+    state.object.push_back(labels.object[g]);
+  }
   if (run.particles.fill) {
     const int objects = static_cast<int>(inventory.objects.size());
     const Filling filling = fill_objects(gaussians, means, labels.object, objects, state.map, run);
     report_filling(filling, inventory, run, state);
     std::vector<std::vector<int32_t>> members(objects);
-    for (size_t i = 0; i < n; ++i) members[labels.object[i]].push_back(static_cast<int32_t>(i));
+    for (size_t i = 0; i < all; ++i) members[labels.object[i]].push_back(static_cast<int32_t>(i));
     std::vector<std::unique_ptr<NeighborSearch<3>>> searches;
     for (const std::vector<int32_t>& list : members)
       searches.push_back(std::make_unique<NeighborSearch<3>>(means, list));

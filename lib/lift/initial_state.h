@@ -12,10 +12,11 @@
 
 namespace physmas::lift {
 
-// The first N_G particles are the Gaussian means under N; filled ones follow and take source and row from the nearest
+// The first N_G particles are the Gaussian means under N, or, of more Gaussians than particles.max, those of the
+// carriers (carriers.h); filled ones follow and take source and row from the nearest
 // Gaussian of their object (paper, Eqs. particlesource and particlearray; lowest index on ties). What was not filled,
 // and where the density had to give way to the limit, stands in `omitted`.
-// file: the Gaussians' file, for messages. Error (exit code 3): more Gaussians than particles.max.
+// file: the Gaussians' file, for messages. Error (exit code 3): fewer carriers than rows.
 State initial_state(const Gaussians& gaussians, const Labels& labels, const Inventory& inventory,
                     const RunSpecification& run, const std::string& file);
 

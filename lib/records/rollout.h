@@ -10,7 +10,8 @@
 
 namespace physmas {
 
-// Frames are written one by one; frame 0 is the rest frame. All values in solver space.
+// Frames are written one by one; frame 0 is the rest frame. All values in solver space. N_G is the number of Gaussians
+// that are particles (State::carrier_count).
 class RolloutWriter {
  public:
   // deformation: what F is, "elastic" (after the return map) or "total".

@@ -100,7 +100,8 @@ void visit_fields(Run& run, Visitor& v) {
           kGround | kLift | kCandidates | kSimulate);
 
   v.section("particles", kLift, "");
-  v.field("max", run.particles.max, between(1, 10000000), "Gaussians and filled particles together");
+  v.field("max", run.particles.max, between(1, 10000000),
+          "Gaussians and filled particles together; of more Gaussians some are simulated and carry the others");
   v.field("per_cell", run.particles.per_cell, between(1, 64), "filling density");
   v.field("fill", run.particles.fill, {}, "false: Gaussians only");
 

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,11 @@ struct RunSpecification {
     int max = 200000;
     int per_cell = 8;
     bool fill = true;
+    // How many of so many Gaussians are particles: all, or, where that is more than the budget, half of it, so that
+    // interiors can be filled. The others are carried (state.h).
+    size_t simulated(size_t gaussians) const {
+      return gaussians <= static_cast<size_t>(max) ? gaussians : static_cast<size_t>((max + 1) / 2);
+    }
   } particles;
 
   struct Segmentation {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.h"
 #include "records/hdf5_file.h"
@@ -21,6 +22,61 @@ void check_indices(const Hdf5Reader& file, const char* dataset, const std::vecto
                          fmt::format("an index in 0..{}", limit - 1));
     }
   }
+}
+
+std::vector<Eigen::Vector3f> read_points(const Hdf5Reader& file, const char* dataset, uint64_t count, double length) {
+  const std::vector<float> values = file.read_float(dataset, {count, 3});
+  std::vector<Eigen::Vector3f> points(count);
+  for (uint64_t q = 0; q < count; ++q) {
+    points[q] = {values[3 * q], values[3 * q + 1], values[3 * q + 2]};
+    if (points[q].minCoeff() < 0 || points[q].maxCoeff() > length) {
+      throw file.invalid(dataset, fmt::format("a position outside the solver cube at element {}", q),
+                         fmt::format("0..{} on every axis", length));
+    }
+  }
+  return points;
+}
+
+constexpr const char* kCarrierGroup = "/carriers";
+
+// rows: of the Gaussians.
+Carriers read_carriers(const Hdf5Reader& file, const std::vector<int32_t>& rows, double length) {
+  constexpr int kPer = Carriers::kPerGaussian;
+  Carriers carriers;
+  if (!file.exists(kCarrierGroup)) return carriers;
+  const uint64_t gaussians = rows.size();
+  carriers.gaussian = file.read_int("/carriers/gaussian", {UINT64_MAX}, kMaxParticles);
+  check_indices(file, "/carriers/gaussian", carriers.gaussian, static_cast<int32_t>(gaussians));
+  const int32_t count = static_cast<int32_t>(carriers.gaussian.size());
+  if (count == 0) throw file.invalid("/carriers/gaussian", "no carriers", "at least one");
+  for (int32_t q = 1; q < count; ++q) {
+    if (carriers.gaussian[q] <= carriers.gaussian[q - 1])
+      throw file.invalid("/carriers/gaussian",
+                         fmt::format("{} after {}", carriers.gaussian[q], carriers.gaussian[q - 1]),
+                         "ascending indices");
+  }
+  carriers.rest = read_points(file, "/carriers/rest", gaussians, length);
+  carriers.particle = file.read_int("/carriers/particle", {gaussians, kPer});
+  carriers.weight = file.read_float("/carriers/weight", {gaussians, kPer});
+  check_indices(file, "/carriers/particle", carriers.particle, count);
+  for (uint64_t i = 0; i < gaussians; ++i) {
+    double sum = 0;
+    for (int k = 0; k < kPer; ++k) {
+      const int32_t q = carriers.particle[i * kPer + k];
+      if (rows[carriers.gaussian[q]] != rows[i]) {
+        throw file.invalid("/carriers/particle", fmt::format("a particle of another row for Gaussian {}", i),
+                           "particles of the Gaussian's row");
+      }
+      const float w = carriers.weight[i * kPer + k];
+      if (!(w >= 0)) throw file.invalid("/carriers/weight", fmt::format("{} for Gaussian {}", w, i), "0 or more");
+      sum += w;
+    }
+    if (!(std::abs(sum - 1) < 1e-3)) {
+      throw file.invalid("/carriers/weight", fmt::format("weights of a sum of {} for Gaussian {}", sum, i),
+                         "a sum of 1");
+    }
+  }
+  return carriers;
 }
 
 // A list in a text attribute of the root.
@@ -73,13 +129,9 @@ State load_state(const std::string& path, const Inventory* inventory) {
   state.gaussian_confidence = file.read_float("/gaussians/confidence", {gaussians});
   state.row = file.read_int("/particles/row", {UINT64_MAX}, kMaxParticles);
   const uint64_t particles = state.row.size();
-  if (particles < gaussians)
-    throw file.invalid("/particles/row", fmt::format("{} particles", particles),
-                       fmt::format("at least the {} Gaussians", gaussians));
   state.object = file.read_int("/particles/object", {particles});
   state.source = file.read_int("/particles/source", {particles});
   state.volume = file.read_float("/particles/volume", {particles});
-  const std::vector<float> position = file.read_float("/particles/position", {particles, 3});
   state.map.s = file.read_attribute("/map", "s", 1)[0];
   const std::vector<double> d = file.read_attribute("/map", "d", 3);
   state.map.d = {d[0], d[1], d[2]};
@@ -95,18 +147,20 @@ State load_state(const std::string& path, const Inventory* inventory) {
   const int32_t objects = inventory != nullptr ? static_cast<int32_t>(inventory->objects.size()) : rows;
   check_indices(file, "/gaussians/object", state.gaussian_object, objects);
   check_indices(file, "/particles/object", state.object, objects);
-  state.position.resize(particles);
+  state.carriers = read_carriers(file, state.gaussian_row, state.map.length);
+  const uint64_t carriers = state.carrier_count();
+  if (particles < carriers)
+    throw file.invalid("/particles/row", fmt::format("{} particles", particles),
+                       fmt::format("at least the {} Gaussians", carriers));
+  state.position = read_points(file, "/particles/position", particles, state.map.length);
   for (uint64_t q = 0; q < particles; ++q) {
-    state.position[q] = {position[3 * q], position[3 * q + 1], position[3 * q + 2]};
-    if (state.position[q].minCoeff() < 0 || state.position[q].maxCoeff() > state.map.length) {
-      throw file.invalid("/particles/position", fmt::format("a position outside the solver cube at particle {}", q),
-                         fmt::format("0..{} on every axis", state.map.length));
-    }
     if (!(state.volume[q] > 0))
       throw file.invalid("/particles/volume", fmt::format("{} at particle {}", state.volume[q], q),
                          "a positive volume");
-    if (q < gaussians && (state.source[q] != static_cast<int32_t>(q) || state.row[q] != state.gaussian_row[q])) {
-      throw file.invalid("/particles/source", fmt::format("particle {} that is not Gaussian {}", q, q),
+    if (q >= carriers) continue;
+    const int32_t g = state.carriers.empty() ? static_cast<int32_t>(q) : state.carriers.gaussian[q];
+    if (state.source[q] != g || state.row[q] != state.gaussian_row[g]) {
+      throw file.invalid("/particles/source", fmt::format("particle {} that is not Gaussian {}", q, g),
                          "the Gaussians first, in file order");
     }
   }
@@ -129,6 +183,13 @@ void save_state(const std::string& path, const State& state, const Provenance& p
   file.write_int("/particles/row", {particles}, state.row.data());
   file.write_int("/particles/object", {particles}, state.object.data());
   file.write_int("/particles/source", {particles}, state.source.data());
+  if (!state.carriers.empty()) {
+    const Carriers& c = state.carriers;
+    file.write_int("/carriers/gaussian", {c.gaussian.size()}, c.gaussian.data());
+    file.write_float("/carriers/rest", {gaussians, 3}, c.rest.front().data());
+    file.write_int("/carriers/particle", {gaussians, Carriers::kPerGaussian}, c.particle.data());
+    file.write_float("/carriers/weight", {gaussians, Carriers::kPerGaussian}, c.weight.data());
+  }
   file.make_group("/map");
   file.write_attribute("/map", "s", {state.map.s});
   file.write_attribute("/map", "d", {state.map.d.x(), state.map.d.y(), state.map.d.z()});

@@ -21,12 +21,26 @@ struct SolverMap {
   Eigen::Vector3d to_scene(const Eigen::Vector3d& x) const { return (x - d) / s; }
 };
 
+// Where a scene has more Gaussians than the run simulates: some of them, the carriers, are particles, and the others
+// move with those near them. Empty where all are particles.
+struct Carriers {
+  static constexpr int kPerGaussian = 4;
+  std::vector<int32_t> gaussian;      // [N_C] the Gaussians that are particles, ascending
+  std::vector<Eigen::Vector3f> rest;  // [N_G] rest means of all, solver space
+  // [N_G, kPerGaussian] what each follows: particles below N_C of the same row, and weights that sum to 1. A carrier
+  // follows itself.
+  std::vector<int32_t> particle;
+  std::vector<float> weight;
+  bool empty() const { return gaussian.empty(); }
+};
+
 struct State {
   // Gaussians, file order, [N_G].
   std::vector<int32_t> gaussian_object;    // index into inventory.objects
   std::vector<int32_t> gaussian_row;       // index into inventory.rows; never -1
   std::vector<float> gaussian_confidence;  // 0..1
-  // Particles, [N_Q]; the first N_G are the Gaussians.
+  Carriers carriers;
+  // Particles, [N_Q]; the first carrier_count() are Gaussians.
   std::vector<Eigen::Vector3f> position;  // solver space
   std::vector<float> volume;              // rest volume V_q^0, solver units cubed
   std::vector<int32_t> row;
@@ -37,6 +51,8 @@ struct State {
   std::vector<Omission> omitted;
 
   size_t gaussian_count() const { return gaussian_row.size(); }
+  // The Gaussians that are particles: N_G, or N_C where there are carriers.
+  size_t carrier_count() const { return carriers.empty() ? gaussian_count() : carriers.gaussian.size(); }
   size_t particle_count() const { return row.size(); }
   // Gaussians with each row, [inventory.rows].
   std::vector<long> gaussians_per_row() const;
@@ -44,8 +60,8 @@ struct State {
   std::vector<double> volume_per_row() const;
 };
 
-// Checks sizes, index ranges, finite positions inside [0, L]^3, volumes > 0, and that the first N_G particles are the
-// Gaussians. `inventory`, when given, must have the rows that the state was made with.
+// Checks sizes, index ranges, finite positions inside [0, L]^3, volumes > 0, and that the first particles are the
+// Gaussians, or the carriers. `inventory`, when given, must have the rows that the state was made with.
 State load_state(const std::string& path, const Inventory* inventory = nullptr);
 void save_state(const std::string& path, const State& state, const Provenance& provenance);
 

@@ -14,10 +14,12 @@
 namespace physmas::splat {
 
 // The Gaussians of one rollout frame in scene space (paper, Eq. gaussiantransport): mu = (x - d) / s, and F as it is,
-// because L = s I commutes with it.
+// because L = s I commutes with it. Where carriers move the others, a Gaussian i has the weighted means over its
+// carriers k, F = sum w_k F_k and x = sum w_k (x_k + F_k (X_i - X_k)), X at rest: what turns or stretches as a whole
+// carries it exactly.
 class TransportedFrame {
  public:
-  TransportedFrame(const RolloutFrame& frame, const SolverMap& map);
+  TransportedFrame(const RolloutFrame& frame, const SolverMap& map, const Carriers& carriers = {});
   // position: [N_G] scene space; F: [N_G].
   TransportedFrame(std::vector<Eigen::Vector3f> position, std::vector<RowMatrix3f> F)
       : position_(std::move(position)), F_(std::move(F)) {}
@@ -34,17 +36,17 @@ class TransportedFrame {
 // The one way from a rollout to pictures, files and measures of its frames.
 class RolloutFrames {
  public:
-  // state: whose Gaussians and solver map the rollout has; a rollout of another number of Gaussians is an Error (exit
-  // code 3).
-  RolloutFrames(const std::string& path, const State& state) : reader_(path, state.gaussian_count()), map_(state.map) {}
+  // state: whose Gaussians, carriers and solver map the rollout has; it must outlive this. A rollout of another number
+  // of Gaussians is an Error (exit code 3).
+  RolloutFrames(const std::string& path, const State& state) : reader_(path, state.carrier_count()), state_(state) {}
   int count() const { return reader_.frame_count(); }
   double time(int t) const { return reader_.time(t); }  // s
   // t: 0..count() - 1. Values may be NaN in a diverged rollout; the renderer skips such Gaussians.
-  TransportedFrame frame(int t) const { return TransportedFrame(reader_.frame(t), map_); }
+  TransportedFrame frame(int t) const { return TransportedFrame(reader_.frame(t), state_.map, state_.carriers); }
 
  private:
   RolloutReader reader_;
-  SolverMap map_;
+  const State& state_;
 };
 
 }  // namespace physmas::splat

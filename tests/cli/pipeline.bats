@@ -108,6 +108,17 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
   [ ! -e run/candidates/round2.json ]
 }
 
+@test "pipeline: of more Gaussians than particles some carry the others, and the video shows all" {
+  run_make SET="particles.max=100 screening.initial=2" >log
+  grep -q '^Accepted' log
+  grep -aq '50 of [0-9]* Gaussians are particles and carry the others' run/state.h5
+  # As much is seen at rest as when all are simulated, and only the carriers are in the rollout.
+  area() { sed -nE 's/.*"area": ([0-9]+).*/\1/p' "$1" | head -n 1; }
+  [ "$(area run/videos/hard-support-bonded.json)" -gt 100 ]
+  [ "$(area run/videos/hard-support-bonded.json)" = "$(area "$BATS_FILE_TMPDIR/run/videos/hard-support-bonded.json")" ]
+  [ "$(stat -c %s run/rollouts/hard-support-bonded.h5)" -lt "$(stat -c %s "$BATS_FILE_TMPDIR/run/rollouts/hard-support-bonded.h5")" ]
+}
+
 @test "pipeline: the studies without object-part state and without structure projection" {
   run_make SET=ablation.structure_projection=false >log
   refute grep -E 'ground|lift|material' <(stages <log)

@@ -96,8 +96,13 @@ nothing_written() { [ ! -e "$BATS_TEST_TMPDIR/out" ] || [ -z "$(find "$BATS_TEST
   nothing_written
 }
 
-@test "pm-lift refuses more Gaussians than particles" {
-  edit_json "$scene/scene.json" "d['run']['particles'] = {'max': 10}"
+@test "pm-lift lets some of more Gaussians than particles carry the others, but refuses fewer than rows" {
+  edit_json "$scene/scene.json" "d['run']['particles'] = {'max': 200}"
+  lift
+  [ "$status" -eq 0 ]
+  grep -aq "100 of [0-9]* Gaussians are particles and carry the others" "$state"
+  rm "$state"
+  edit_json "$scene/scene.json" "d['run']['particles'] = {'max': 2}"
   lift
   expect_error 3 "particles.max"
   nothing_written

@@ -172,6 +172,12 @@ PY
   grep -q '"start": "rest"' "$OUT/scene.json"
 }
 
+@test "import says how many Gaussians are simulated when they are more than the particles" {
+  echo '{"schema": "physmas/run/1", "particles": {"max": 50}}' >"$BATS_TEST_TMPDIR/run.json"
+  import "$TINY/gaussians.ply" --prompt "it falls" --run "$BATS_TEST_TMPDIR/run.json" 2>"$BATS_TEST_TMPDIR/errors"
+  grep -q "Gaussians are more than particles.max = 50: 25 of them are simulated and carry the others" "$BATS_TEST_TMPDIR/errors"
+}
+
 @test "bad prompts, files and names are refused and nothing is written" {
   refused_input "--prompt" import "$TINY/gaussians.ply" --prompt "  "
   refused_input "nowhere.ply" import "$BATS_TEST_TMPDIR/nowhere.ply" --prompt x

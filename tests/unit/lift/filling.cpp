@@ -190,7 +190,16 @@ TEST_CASE("lift: filled particles take source and row from the nearest Gaussian,
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();
   for (size_t q = g.size(); q < few.particle_count(); ++q) mean += few.position[q];
   CHECK((mean / static_cast<float>(few.particle_count() - g.size()) - Eigen::Vector3f::Ones()).norm() < 0.02f);
-  CHECK_THROWS_AS(state_of(g, run_with(50, 8, 2999)), Error);
+  // More Gaussians than particles: half of the limit carries them, the other half is filled.
+  const State carried = state_of(g, run_with(50, 8, 2999));
+  CHECK(carried.gaussian_count() == 3000);
+  CHECK(carried.carrier_count() == 1500);
+  CHECK(carried.particle_count() == 2999);
+  for (size_t q = 0; q < 1500; ++q) {
+    CHECK(carried.source[q] == carried.carriers.gaussian[q]);
+    CHECK(carried.position[q] == all.position[carried.source[q]]);
+  }
+  CHECK(all.carriers.empty());
 }
 
 TEST_CASE("lift: rest volumes share out the occupied cells") {

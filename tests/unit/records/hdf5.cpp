@@ -107,6 +107,46 @@ TEST_CASE("hdf5: states with impossible contents are refused") {
   CHECK(error([](State& s) { s.map.s = 0; }).find("/map/@s") != std::string::npos);
 }
 
+TEST_CASE("hdf5: a state whose carriers move the other Gaussians") {
+  const TemporaryFolder folder;
+  // Gaussians 1 and 2 are particles, Gaussian 0 follows the latter.
+  const auto carried = [] {
+    State state = small_state();
+    for (auto* list : {&state.row, &state.object, &state.source}) list->erase(list->begin());
+    state.position.erase(state.position.begin());
+    state.volume.erase(state.volume.begin());
+    state.carriers.gaussian = {1, 2};
+    state.carriers.rest.assign(3, Eigen::Vector3f(1, 1, 1));
+    state.carriers.particle = {1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1};
+    state.carriers.weight = {0.5f, 0.25f, 0.25f, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+    return state;
+  };
+  const auto error = [&](const std::function<void(State&)>& change) {
+    State state = carried();
+    change(state);
+    save_state(folder / "s.h5", state, test_provenance());
+    return message_of([&] { load_state(folder / "s.h5"); });
+  };
+  CHECK(error([](State&) {}) == "no error");
+  const State loaded = load_state(folder / "s.h5");
+  CHECK(loaded.carrier_count() == 2);
+  CHECK(loaded.gaussian_count() == 3);
+  CHECK(loaded.carriers.gaussian == carried().carriers.gaussian);
+  CHECK(loaded.carriers.rest == carried().carriers.rest);
+  CHECK(loaded.carriers.particle == carried().carriers.particle);
+  CHECK(loaded.carriers.weight == carried().carriers.weight);
+  using S = State;
+  CHECK(error([](S& s) { s.carriers.gaussian = {2, 1}; }).find("ascending") != std::string::npos);
+  CHECK(error([](S& s) { s.carriers.gaussian = {1, 3}; }).find("/carriers/gaussian: found 3") != std::string::npos);
+  CHECK(error([](S& s) { s.carriers.gaussian = {0, 1}; }).find("/carriers/particle") != std::string::npos);
+  CHECK(error([](S& s) { s.carriers.particle[0] = 2; }).find("/carriers/particle: found 2") != std::string::npos);
+  CHECK(error([](S& s) { s.carriers.particle[0] = 0; }).find("of another row for Gaussian 0") != std::string::npos);
+  CHECK(error([](S& s) { s.carriers.weight[0] = -0.5f; }).find("/carriers/weight") != std::string::npos);
+  CHECK(error([](S& s) { s.carriers.weight[0] = 0.75f; }).find("a sum of 1.25") != std::string::npos);
+  CHECK(error([](S& s) { s.carriers.rest[1].y() = 3; }).find("/carriers/rest") != std::string::npos);
+  CHECK(error([](S& s) { s.source[0] = 0; }).find("particle 0 that is not Gaussian 1") != std::string::npos);
+}
+
 TEST_CASE("hdf5: a state must belong to its inventory") {
   const TemporaryFolder folder;
   save_state(folder / "s.h5", small_state(), test_provenance());
