@@ -12,7 +12,7 @@ using namespace physmas;
 
 int main(int argc, char** argv) {
   std::string example, scene, described, folder, overrides_file, prompt;
-  std::vector<std::string> settings;
+  std::vector<std::string> settings, defaults;
   std::vector<double> crop;
   bundle::ImportOptions import;
   bool true_masks = false;
@@ -84,6 +84,9 @@ int main(int argc, char** argv) {
     slice_command.add_option("--set", settings, "Run setting KEY=VALUE, such as screening.tau=0.6")
         .expected(1)
         .take_all();
+    slice_command.add_option("--default", defaults, "Run setting KEY=VALUE where the scene says nothing of it")
+        .expected(1)
+        .take_all();
     slice_command.add_option("--overrides", overrides_file, "Run specification whose fields win over the scene's");
     slice_command.add_option("--prompt", prompt, "What shall happen, instead of what the scene says");
     slice_command.add_option("--out", folder, "Folder of the slices").required();
@@ -96,7 +99,8 @@ int main(int argc, char** argv) {
     if (!crop.empty()) import.selection.crop = bundle::crop_box(crop, "--crop");
     if (synth_command.parsed()) bundle::write_synth_bundle(example, folder, true_masks);
     if (import_command.parsed()) bundle::write_import_bundle(import);
-    if (slice_command.parsed()) write_slices(scene, run_overrides(overrides_file, settings), prompt, folder);
+    if (slice_command.parsed())
+      write_slices(scene, run_overrides(overrides_file, settings), run_overrides("", defaults), prompt, folder);
     if (info_command.parsed()) bundle::print_report(described);
     return 0;
   };

@@ -141,6 +141,8 @@ RunSpecification run_for(const ImportOptions& options, Json json, const Gaussian
                     "time.max_substeps",
                     file, given.grid.n, stable_grid(given)));
   }
+  // Where things will be is not known here: the camera is fitted once it is (lib/splat/fitted_camera.h).
+  if (!json.contains("/render/camera"_json_pointer)) json["render"]["camera"] = "fit";
   const bool own_center = json.contains("/placement/center"_json_pointer), own_colliders = json.contains("colliders");
   json["placement"]["up"] = options.up;
   // Parts are told apart by what each view sees: without the depth test, a part also claims what lies behind it

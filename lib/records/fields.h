@@ -9,13 +9,16 @@
 //     visitor.field("glaze", choice(plate.glaze, kGlazes), {}, "what it is covered with");
 //   }
 //
-// A field is an int, a double, a bool, a text, a vector of three, a list, or one of several names (`choice`).
+// A field is an int, a double, a bool, a text, a vector of three, a list, or one of several names (`choice`). One that
+// is a std::optional is written only where it was said, so that records from before there was such a field keep their
+// bytes.
 #ifndef PHYSMAS_RECORDS_FIELDS_H
 #define PHYSMAS_RECORDS_FIELDS_H
 
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -55,6 +58,20 @@ Choice<T, Names> choice(T& value, const Names& names) {
   return {value, names};
 }
 
+// Whether a field has a value to write.
+template <class T>
+bool is_said(const T&) {
+  return true;
+}
+template <class T>
+bool is_said(const std::optional<T>& value) {
+  return value.has_value();
+}
+template <class T, class Names>
+bool is_said(const Choice<T, Names>& field) {
+  return is_said(field.value);
+}
+
 // Values as JSON. Records with fields of other types add overloads.
 template <class T>
 Json field_json(const T& value) {
@@ -63,12 +80,24 @@ Json field_json(const T& value) {
 inline Json field_json(const Eigen::Vector3d& value) {
   return to_json(value);
 }
+template <class T>
+Json field_json(const std::optional<T>& value) {
+  return field_json(*value);
+}
 template <class T, class Names>
 Json field_json(const Choice<T, Names>& field) {
   if constexpr (std::is_same_v<std::remove_const_t<T>, std::string>)
     return field.value;
   else
     return field.names[static_cast<size_t>(field.value)];
+}
+template <class T, class Names>
+Json field_json(const Choice<std::optional<T>, Names>& field) {
+  return field.names[static_cast<size_t>(*field.value)];
+}
+template <class T, class Names>
+Json field_json(const Choice<const std::optional<T>, Names>& field) {
+  return field.names[static_cast<size_t>(*field.value)];
 }
 
 // Values from JSON that the schema let through.
@@ -78,6 +107,14 @@ void read_field(const Json& json, T& value) {
 }
 inline void read_field(const Json& json, Eigen::Vector3d& value) {
   value = vector3_from(json);
+}
+template <class T>
+void read_field(const Json& json, std::optional<T>& value) {
+  read_field(json, value.emplace());
+}
+template <class T, class Names>
+void read_field(const Json& json, Choice<std::optional<T>, Names>& field) {
+  field.value = static_cast<T>(index_of(field.names, json.get<std::string>()));
 }
 template <class T, class Names>
 void read_field(const Json& json, Choice<T, Names>& field) {
@@ -93,7 +130,7 @@ class FieldWriter {
   explicit FieldWriter(Json& json) : json_(json) {}
   template <class T>
   void field(const char* name, const T& value, const Rule& = {}, const char* = "") {
-    json_[name] = field_json(value);
+    if (is_said(value)) json_[name] = field_json(value);
   }
 
  private:
@@ -142,6 +179,10 @@ Json field_schema(const std::vector<T>&, const Rule& rule) {
   if (rule.least_items > 0) schema["minItems"] = rule.least_items;
   schema["items"] = field_schema(T(), rule);
   return schema;
+}
+template <class T>
+Json field_schema(const std::optional<T>&, const Rule& rule) {
+  return field_schema(T(), rule);
 }
 template <class T, class Names>
 Json field_schema(const Choice<T, Names>& field, const Rule&) {

@@ -27,6 +27,8 @@ inline constexpr std::array<const char*, 2> kOnDivergence = {"stop", "cfl"};
 inline constexpr std::array<const char*, 2> kStarts = {"rest", "equilibrium"};
 inline constexpr std::array<const char*, 2> kIslands = {"keep", "join"};
 inline constexpr std::array<const char*, 2> kOcclusions = {"none", "depth"};
+inline constexpr std::array<const char*, 3> kCameraModes = {"fixed", "fit", "orbit"};
+inline constexpr std::array<const char*, 2> kFloors = {"none", "shadow"};
 inline constexpr std::array<const char*, 2> kDeformations = {"elastic", "total"};
 
 // A vector for which a file may give one number, along `up`.
@@ -177,6 +179,14 @@ void visit_fields(Run& run, Visitor& v) {
   v.field("height", run.render.height, between(16, 8192), "");
   v.field("background", run.render.background, {"color"}, "", kGround);
   v.field("sh_degree", run.render.sh_degree, between(0, 3), "highest degree that is evaluated");
+  v.field("camera", choice(run.render.camera, kCameraModes), {},
+          "of the video. fixed (default): the scene's output cameras; fit: moved back as far as it takes to keep what "
+          "moves "
+          "in the picture; orbit: and turning slowly about the scene");
+  v.field("floor", choice(run.render.floor, kFloors), {},
+          "of the video. shadow: the floor with soft shadows under the Gaussians; none (default)");
+  v.field("agents", run.render.agents, {},
+          "of the video. true: a sign where an action acts, while it does; default false");
 }
 
 }  // namespace physmas

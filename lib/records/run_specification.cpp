@@ -18,6 +18,7 @@ class RunWriter {
   template <class T>
   void field(const char* name, const T& value, const Rule&, const char*, unsigned add_to = 0) {
     if (stages_ != kEveryStage && (stages_ & (section_stages_ | add_to)) == 0) return;
+    if (!is_said(value)) return;
     (section_ == nullptr ? json_ : json_[section_])[name] = json_of(value);
   }
   Json take() { return std::move(json_); }

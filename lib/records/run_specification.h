@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -132,6 +133,17 @@ struct RunSpecification {
     int width = 800, height = 800;
     Eigen::Vector3d background = {1, 1, 1};  // sRGB
     int sh_degree = 3;
+    // What follows is about the video alone: measurements are those of the Gaussians in the scene's first output
+    // camera. fixed: the scene's output cameras; fit: moved back as far as it takes to see all motion; orbit: turning
+    // about the scene as well.
+    enum class CameraMode { fixed, fit, orbit };
+    std::optional<CameraMode> camera;  // fixed
+    enum class Floor { none, shadow };
+    std::optional<Floor> floor;  // none
+    std::optional<bool> agents;  // false; true: a sign where an action acts
+    CameraMode camera_mode() const { return camera.value_or(CameraMode::fixed); }
+    bool has_floor() const { return floor.value_or(Floor::none) == Floor::shadow; }
+    bool shows_agents() const { return agents.value_or(false); }
   } render;
 };
 

@@ -43,12 +43,32 @@ const std::vector<SliceContent> kContents = {
     {"screen", kScreen, false, false, false, false, false, false, {}},
 };
 
+// Whether the picture needs to know where up and the floor are.
+bool needs_scene_axes(const RunSpecification::Render& render) {
+  return render.has_floor() || render.shows_agents() ||
+         render.camera_mode() == RunSpecification::Render::CameraMode::orbit;
+}
+
 Json run_part(const RunSpecification& run, const SliceContent& content) {
   const Json part = to_json(run, content.stage);
   Json ordered = Json::object();
   for (const char* section : content.first) ordered[section] = part.at(section);
   ordered.update(part);
+  if (content.stage == kRender && needs_scene_axes(run.render)) {
+    const Json whole = to_json(run);
+    for (const char* section : {"grid", "placement", "colliders", "walls"}) ordered[section] = whole.at(section);
+  }
   return ordered;
+}
+
+// Which rules a run has depends on it, so it is a fact for make.
+void write_camera_fact(const RunSpecification::Render& render, const std::string& path) {
+  if (render.camera_mode() == RunSpecification::Render::CameraMode::fixed) {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+    return;
+  }
+  write_file(path, std::string("PM_CAMERA := ") + kCameraModes[static_cast<size_t>(render.camera_mode())] + "\n");
 }
 
 // Files under `folder`, sorted, as paths relative to `root`.
@@ -77,19 +97,18 @@ Json output_cameras_for(const Scene& scene, const Json& overrides) {
 
 }  // namespace
 
-void write_slices(const std::string& scene_path, const Json& overrides, const std::string& prompt,
-                  const std::string& folder) {
+void write_slices(const std::string& scene_path, const Json& overrides, const Json& defaults,
+                  const std::string& prompt, const std::string& folder) {
   Json document = load_record(scene_path, "scene");
   if (!prompt.empty()) {
-    if (prompt.find_first_not_of(" \t\r\n") == std::string::npos)
-      throw invalid_input({"--prompt", "", "a blank prompt", "a description of the motion",
-                           "for example --prompt \"it falls onto the floor\""});
+    check_prompt(prompt, "--prompt");
     document["prompt"] = prompt;
   }
   if (document.contains("slice"))
     throw invalid_field(scene_path, "/slice", document.at("slice"), "a whole scene, not a slice");
   const std::string root = folder_of(scene_path);
-  Json run = resolve_run(document, scene_path, root);
+  Json run = defaults;
+  run.merge_patch(resolve_run(document, scene_path, root));
   run.merge_patch(overrides);
   Json patched = document;
   patched["run"] = run;
@@ -138,6 +157,7 @@ void write_slices(const std::string& scene_path, const Json& overrides, const st
     provenance.tool = "pm-scene";
     save_record((slice_folder / (std::string(content.name) + ".json")).string(), "scene", provenance, slice);
   }
+  write_camera_fact(specification.render, (slice_folder / "camera.mk").string());
 }
 
 }  // namespace physmas

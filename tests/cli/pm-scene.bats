@@ -138,6 +138,7 @@ cameras() {
   first_axis() { python3 -c "import json,sys; print([round(v, 6) + 0 for v in json.load(open('$OUT/scene.json'))['views'][0]['camera']['world_to_camera'][0][:3]])"; }
   import "$TINY/gaussians.ply" --prompt x --up z
   [ "$(first_axis)" = "[1.0, 0.0, 0.0]" ]
+  grep -q '"camera": "fit"' "$OUT/scene.json"
   import "$TINY/gaussians.ply" --prompt x --up z --front x
   [ "$(first_axis)" = "[0.0, 1.0, 0.0]" ]
   grep -q '"front": "x"' "$OUT/scene.json"
@@ -259,6 +260,17 @@ PY
   [ "$changed" = screen.json ]
   slice --set time.frames=20 --set screening.tau=0.5
   grep -q '"frames": 20' "$OUT/simulate.json"
+  # What the scene says wins over --default, --set over both; a fitted camera is a fact for make.
+  slice --default time.frames=20 --default render.camera=fit --default render.floor=shadow
+  refute_in() { ! grep -q "$1" "$2"; }
+  refute_in '"frames": 20' "$OUT/simulate.json"
+  grep -q '"camera": "fit"' "$OUT/render.json"
+  grep -q '"colliders"' "$OUT/render.json"
+  grep -qx 'PM_CAMERA := fit' "$OUT/camera.mk"
+  slice --default render.camera=fit --set render.camera=fixed
+  refute_in '"colliders"' "$OUT/render.json"
+  [ ! -e "$OUT/camera.mk" ]
+  refused 2 "/render/camera" slice --set render.camera=near
   refused 2 "--set" slice --set tau
   refused 2 "/screening" slice --set screening.tua=1
   echo '{"schema": "physmas/run/1", "time": {"frames": 0}}' > "$BATS_TEST_TMPDIR/o.json"

@@ -50,6 +50,9 @@ Json as_record(const Json& run) {
 
 Json specification_with_colliders() {
   Json json = to_json(RunSpecification());
+  // What is not said is not written.
+  CHECK_FALSE(json["render"].contains("camera"));
+  json["render"].update({{"camera", "fixed"}, {"floor", "none"}, {"agents", false}});
   json["colliders"] = {
       {{"type", "plane"}, {"point", {1, 2, 3}}, {"normal", {0, 1, 0}}, {"mode", "sticky"}, {"friction", 0.25}},
       {{"type", "box"}, {"min", {1, 2, 3}}, {"max", {4, 5, 6}}, {"mode", "slip"}, {"friction", 0.5}},

@@ -52,7 +52,7 @@ class Bundle {
   // The slices whose bytes differ from the last call's.
   std::string cut(const Json& overrides = Json::object()) {
     save();
-    write_slices(path(), overrides, "", folder + "/spec");
+    write_slices(path(), overrides, Json::object(), "", folder + "/spec");
     std::string changed;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder + "/spec")) {
       const std::string stage = entry.path().stem().string(), bytes = read_file(entry.path().string());
@@ -128,7 +128,7 @@ TEST_CASE("a slice is a scene of its own that holds what its stage needs") {
   write_file(bundle.folder + "/gaussians.ply", "changed behind its back");
   CHECK_THROWS_WITH_AS(load_scene(bundle.folder + "/spec/lift.json", {}), doctest::Contains("/files/gaussians.ply"),
                        Error);
-  CHECK_THROWS_WITH_AS(write_slices(bundle.folder + "/spec/lift.json", {}, "", bundle.folder + "/x"),
+  CHECK_THROWS_WITH_AS(write_slices(bundle.folder + "/spec/lift.json", {}, {}, "", bundle.folder + "/x"),
                        doctest::Contains("/slice"), Error);
 }
 
