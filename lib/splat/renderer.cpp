@@ -10,6 +10,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "splat/middle_box.h"
 #include "splat/raster.h"
 
 namespace physmas::splat {
@@ -35,20 +36,13 @@ void check_camera(const Camera& camera) {
 
 double scene_size(const Gaussians& g) {
   if (g.size() == 0) return 1;
-  Eigen::Vector3d extent;
+  const Eigen::Vector3d extent = middle_box(g).sizes();
   std::vector<float> values(g.size());
-  const auto quantile = [&](double part) {
-    auto nth = values.begin() + static_cast<std::ptrdiff_t>(part * (values.size() - 1));
-    std::nth_element(values.begin(), nth, values.end());
-    return static_cast<double>(*nth);
-  };
-  for (int axis = 0; axis < 3; ++axis) {
-    for (size_t i = 0; i < g.size(); ++i) values[i] = g.position[i][axis];
-    extent[axis] = quantile(0.95) - quantile(0.05);
-  }
   // Few or coinciding Gaussians still have the size of a typical one.
   for (size_t i = 0; i < g.size(); ++i) values[i] = g.log_scale[i].maxCoeff();
-  const double size = extent.norm() + 2 * std::exp(std::clamp(quantile(0.5), -60.0, 60.0));
+  const auto median = values.begin() + static_cast<std::ptrdiff_t>(0.5 * (values.size() - 1));
+  std::nth_element(values.begin(), median, values.end());
+  const double size = extent.norm() + 2 * std::exp(std::clamp<double>(*median, -60.0, 60.0));
   return std::isfinite(size) ? size : 1;
 }
 
