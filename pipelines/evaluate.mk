@@ -64,7 +64,7 @@ $(call result_of,$(1),$(2)): $(EVALUATE)/bundle/$(1)/scene.json $(EVALUATE)/resu
     $(call reference_of,$(1))/result.tsv $(if $(filter-out $(BASE_METHOD),$(2)),$(call result_of,$(1),$(BASE_METHOD)))
 	+@mkdir -p $(EVALUATE)/$(1)/$(2); status=0; \
 	$$(MAKE) $(SAME_MAKE) --no-print-directory run SCENE=$(EVALUATE)/bundle/$(1)/scene.json RUN=$(EVALUATE)/$(1)/$(2) \
-	  SET="$(SUITE_SETTINGS) $(SUITE_SETTINGS_$(2))" $(if $(filter-out $(BASE_METHOD),$(2)),BASE=$(EVALUATE)/$(1)/$(BASE_METHOD)) \
+	  SET="$(SUITE_SETTINGS) $(SUITE_SETTINGS_$(2))" DEFAULTS= CAMERA= $(if $(filter-out $(BASE_METHOD),$(2)),BASE=$(EVALUATE)/$(1)/$(BASE_METHOD)) \
 	  THREADS=1 EXAMPLE= GAUSSIANS= CASES= SUITE= EVALUATE= >$(EVALUATE)/$(1)/$(2)/log.txt 2>&1 </dev/null || status=$$$$?; \
 	$$(call job,result-$(1)-$(2),1,$$(job_inputs) $$(EVALUATE)/$(1)/$(2),$$@,$$(EVALUATE)/result-$(1)-$(2).log) \
 	env BIN=$(BIN) bash $(PIPELINES)evaluate-result.sh $$$$status $(EVALUATE)/bundle/$(1)/scene.json $(EVALUATE)/$(1)/$(2) \

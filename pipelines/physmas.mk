@@ -10,6 +10,8 @@
 # MATERIAL what parts are made of: "head=Rubber body=Wood", or one label for all        -> pm-ground --material
 # SPEC     a run specification: below what is imported, above an example's or a bundle's own
 # SET      run settings that win over the scene's: SET="screening.tau=0.6 time.frames=20"
+# CAMERA   of the videos: fixed (the scene's), fit (keeps what moves in the picture) or orbit (and turns)  -> SET=render.camera=...
+# DEFAULTS run settings where the scene says nothing; by default those of a picture to look at
 # SCENE_AGENT  who proposes inventory and plan: builtin, the URL of a chat server (with MODEL), or replay:DIR  -> pm-ground --agent
 # PERCEPTION   who makes masks: builtin, the URL of an inference server, or replay:DIR                    -> pm-ground --perception
 # AGENT    who looks at the rows: builtin, the URL of a chat server (with MODEL), or replay:DIR    -> pm-material --agent
@@ -47,7 +49,8 @@ FORCE:
 
 # --- What was asked for: rewritten only when it changes -----------------------------------------------------------
 
-SETTINGS := $(value SET)
+DEFAULTS ?= render.camera=fit render.floor=shadow
+SETTINGS := $(value SET) $(CAMERA:%=render.camera=%) $(DEFAULTS:%=default %)
 GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(MATERIAL),MATERIAL) $(if $(SCENE_AGENT),MODEL),$(v)=$(value $(v))$(newline))
 MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))
 include $(PIPELINES)inputs.mk
@@ -62,7 +65,8 @@ $(STAMPS)/spec: $(BUNDLE_FILES) $(RUN)/settings $(RUN)/changes $(if $(GAUSSIANS)
                 $(call missing,$(SLICES)) | $(call built,pm-scene)
 	$(call stage,spec,$(RUN)/spec)
 	@$(call job,$(@F),1,$(job_inputs),$(SLICES),$@.log) \
-	$(BIN)/pm-scene slice --scene $(SCENE_FILE) --out $(RUN)/spec $(foreach s,$(SET),--set '$(s)') \
+	$(BIN)/pm-scene slice --scene $(SCENE_FILE) --out $(RUN)/spec $(foreach s,$(SET) $(CAMERA:%=render.camera=%),--set '$(s)') \
+	  $(foreach s,$(DEFAULTS),--default '$(s)') \
 	  $(if $(GAUSSIANS),,$(call option,--prompt ,PROMPT) $(call option,--overrides ,SPEC))
 	$(finish)
 $(SLICES): $(STAMPS)/spec ;
@@ -130,7 +134,20 @@ $(RUN)/candidates/round$(1).json $(RUN)/candidates/round$(1).mk $(PM_ROUND$(1):%
     $(STAMPS)/candidates$(1) ;
 endef
 
-# $(call candidate_rules,ID): simulation and rendering of one candidate.
+# $(call camera_rules,N,PREVIOUS,IDS): where the videos of round N are seen from, when it is fitted: from where the motion of its
+# candidates IDS and of all PREVIOUS ones stays in the picture.
+define camera_rules
+$(STAMPS)/camera$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(3:%=$(RUN)/rollouts/%.h5) $(3:%=$(RUN)/rollouts/%.json) \
+    $(2:%=$(RUN)/cameras/round%.json) $(call missing,$(RUN)/cameras/round$(1).json) | $(call built,pm-render)
+	$$(call stage,camera,$$(RUN)/cameras/round$(1).json)
+	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/cameras/round$(1).json,$$@.log) \
+	$(BIN)/pm-render fit --scene $$< --state $(RUN)/state.h5 --rollout $(3:%=$(RUN)/rollouts/%.h5) \
+	  $(2:%=--widen $(RUN)/cameras/round%.json) --out $(RUN)/cameras/round$(1).json --threads $$(threads)
+	$$(finish)
+$(RUN)/cameras/round$(1).json: $(STAMPS)/camera$(1) ;
+endef
+
+# $(call candidate_rules,ID,CAMERAS): simulation and rendering of one candidate; CAMERAS: of its round, where they are fitted.
 define candidate_rules
 $(STAMPS)/simulate-$(1): $(RUN)/spec/simulate.json $(RUN)/state.h5 $(RUN)/candidates/$(1).json \
     $(call missing,$(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json) | $(call built,pm-simulate)
@@ -140,12 +157,12 @@ $(STAMPS)/simulate-$(1): $(RUN)/spec/simulate.json $(RUN)/state.h5 $(RUN)/candid
 	  --out $(RUN)/rollouts/$(1).h5 --threads $$(threads)
 	$$(finish)
 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json: $(STAMPS)/simulate-$(1) ;
-$(STAMPS)/render-$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json \
+$(STAMPS)/render-$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json $(2) \
     $(call missing,$(RUN)/videos/$(1).json) | $(call built,pm-render)
 	$$(call stage,render,$$(RUN)/videos/$(1).mp4)
 	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/videos/$(1).json,$$@.log) \
 	$(BIN)/pm-render --scene $$< --state $(RUN)/state.h5 --rollout $(RUN)/rollouts/$(1).h5 \
-	  --out $(RUN)/videos/$(1).mp4 --sheet $(RUN)/videos/$(1).png --threads $$(threads)
+	  --out $(RUN)/videos/$(1).mp4 --sheet $(RUN)/videos/$(1).png --candidate $(RUN)/candidates/$(1).json $(2:%=--cameras %) --threads $$(threads)
 	$$(finish)
 $(RUN)/videos/$(1).json: $(STAMPS)/render-$(1) ;
 endef
@@ -178,6 +195,9 @@ $(STAMPS)/phase%.mk: FORCE
 FACTS := $(foreach n,0 1 2,candidates/round$(n).mk screen/round$(n).mk)
 KNOWN := $(wordlist 1,$(PHASE),$(FACTS))
 known = $(addprefix $(RUN)/,$(filter $(1),$(KNOWN)))
+# Whether the camera is fitted is known with the first of them.
+PM_CAMERA :=
+-include $(if $(KNOWN),$(wildcard $(RUN)/spec/camera.mk))
 
 # $(call round_rules,N): round N, after those in ROUNDS, as far as it is known.
 define round_rules
@@ -187,7 +207,8 @@ ROUNDS += $(1)
 -include $$(call known,candidates/round$(1).mk)
 IDS += $$(PM_ROUND$(1))
 $$(eval $$(call candidates_rules,$(1),$$(PREVIOUS)))
-$$(foreach id,$$(PM_ROUND$(1)),$$(eval $$(call candidate_rules,$$(id))))
+$$(foreach id,$$(PM_ROUND$(1)),$$(eval $$(call candidate_rules,$$(id),$$(PM_CAMERA:%=$$(RUN)/cameras/round$(1).json))))
+$$(if $$(and $$(PM_CAMERA),$$(PM_ROUND$(1))),$$(eval $$(call camera_rules,$(1),$$(PREVIOUS),$$(PM_ROUND$(1)))))
 $$(eval $$(call screen_rules,$(1),$$(IDS),$$(ROUNDS)))
 include $$(call known,screen/round$(1).mk)
 endef

@@ -12,10 +12,11 @@ setup() {
   cp -a "$BATS_FILE_TMPDIR/bundle" "$BATS_FILE_TMPDIR/run" .
 }
 
-# make run on the bundle of the current folder, away from the make that runs the tests.
+# make run on the bundle of the current folder, away from the make that runs the tests. Without the picture's defaults, so that
+# a candidate's stages hang on it alone.
 run_make() {
   env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -C "$root" --no-print-directory SAN="${PM_SAN:-0}" BUILD="$(dirname "$bin")" \
-    run SCENE="$PWD/bundle/scene.json" RUN="$PWD/run" "$@"
+    run SCENE="$PWD/bundle/scene.json" RUN="$PWD/run" DEFAULTS= "$@"
 }
 
 # The stages that a call ran, one line each: "simulate soft".
@@ -49,6 +50,29 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
   run_make >log
   cat log; stages <log
   [ "$(stages <log | tr '\n' ' ')" = "simulate support-stiff render support-stiff screen round0 " ]
+}
+
+@test "pipeline: the picture: DEFAULTS and CAMERA rerun videos, and change no verdict" {
+  verdict() { python3 -c "import json; print([(c['id'], c['score'], c['gates']) for c in json.load(open('run/screen/round0.json'))['candidates']])"; }
+  before=$(verdict)
+  run_make DEFAULTS="render.camera=fit render.floor=shadow" >log
+  stages <log
+  refute grep -E 'ground|lift|material|candidates|simulate' <(stages <log)
+  [ "$(stages <log | grep -c '^render')" -eq "$(ls run/rollouts/*.h5 | wc -l)" ]
+  stages <log | grep -q 'camera round0'
+  grep -q '"shadow"' run/spec/render.json
+  [ "$(verdict)" = "$before" ]
+  run_make DEFAULTS="render.camera=fit render.floor=shadow" >log
+  grep -q '^Nothing to do' log
+  run_make CAMERA=orbit >log
+  grep -q '"mode": "orbit"' run/cameras/round0.json
+  [ "$(verdict)" = "$before" ]
+  run_make CAMERA=fixed >log
+  refute grep -q camera <(stages <log)
+  [ "$(verdict)" = "$before" ]
+  run run_make CAMERA=near
+  [ "$status" -ne 0 ]
+  [[ "$output" = *"/render/camera"* ]]
 }
 
 @test "pipeline: a setting of the solver reruns from the simulation on" {
@@ -101,8 +125,11 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
 
 @test "pipeline: a scene that needs a repair round ends accepted after it" {
   # Of two candidates the better one lacks 0.015 to tau; role balancing makes its plasticine a jelly.
-  run_make SET="screening.initial=2 screening.tau=1.0" >log
+  run_make SET="screening.initial=2 screening.tau=1.0" DEFAULTS=render.camera=fit >log
   grep -q '^Accepted' log
+  # The camera of the second round has seen both.
+  [ "$(python3 -c "import json; print(json.load(open('run/cameras/round1.json'))['candidates'][-1])")" = hard-support-bonded-role-balanced ]
+  grep -q '"hard-support-bonded"' run/cameras/round1.json
   grep -q '"decision": "repair"' run/screen/round0.json
   grep -q '"candidate": "hard-support-bonded-role-balanced"' run/accepted.json
   [ ! -e run/candidates/round2.json ]

@@ -75,6 +75,75 @@ PY
   fails_with 3 render --labels videos/labels.mp4 --inventory "$root/tests/data/stages/inventory.json" -- "state.h5"
 }
 
+@test "pm-render: floor and signs are in the pictures alone, and nothing that is measured knows of them" {
+  render --png plain
+  measured() { python3 -c "import json; r = json.load(open('videos/support-stiff.json')); print(r['frames'], r.get('endpoints'))"; }
+  before=$(measured)
+  render --png floor --floor shadow --threads 1
+  [ "$(measured)" = "$before" ]
+  refute cmp -s plain/frame_0005.png floor/frame_0005.png
+  before_bytes=$(fingerprint floor)
+  render --png floor --floor shadow --threads 3
+  [ "$(fingerprint floor)" = "$before_bytes" ]
+  "$bin/pm-scene" slice --scene bundle/scene.json --out spec --set render.agents=true --set render.floor=shadow
+  fails_with 2 render --scene spec/render.json -- "--candidate"
+  fails_with 3 render --scene spec/render.json --candidate candidates/posterior.json -- "/id" "support-stiff"
+  render --scene spec/render.json --candidate candidates/support-stiff.json --png signs
+  [ "$(measured)" = "$before" ]
+  # Without a floor in its specification, a slice does not say where the floor is.
+  "$bin/pm-scene" slice --scene bundle/scene.json --out spec
+  fails_with 3 render --scene spec/render.json --floor shadow -- "/run/colliders"
+  refute grep -q colliders spec/render.json
+}
+
+@test "pm-render fit: a camera for several rollouts; measurements stay in the scene's own" {
+  # This one spreads.
+  "$bin/pm-simulate" --scene bundle/scene.json --state state.h5 --candidate candidates/hard-support-bonded.json --out r.h5
+  render() { "$bin/pm-render" --scene bundle/scene.json --state state.h5 --rollout r.h5 --out v.mp4 "$@"; }
+  picture() { "$bin/pm-render" --scene spec/render.json --state state.h5 --rollout r.h5 --out v.mp4 "$@"; }
+  # A camera that sees the scene at its right edge: what spreads there is outside.
+  python3 - <<'PY'
+import json
+scene = json.load(open("bundle/scene.json"))
+scene["output_cameras"][0]["cx"] += 50
+json.dump(scene, open("bundle/scene.json", "w"))
+PY
+  render
+  inside() { # whether all frames show everything
+    python3 - <<'PY'
+import json, sys
+r = json.load(open("v.json"))
+sys.exit(any(min(f["box"]) <= 0 or max(f["box"]) >= r["width"] for f in r["frames"]))
+PY
+  }
+  refute inside
+  measured() { python3 -c "import json; r = json.load(open('v.json')); print(r.get('endpoints') or [r['frames'][0], r['frames'][-1]])"; }
+  before=$(measured)
+  "$bin/pm-scene" slice --scene bundle/scene.json --out spec --set render.camera=fit
+  fit() { "$bin/pm-render" fit --scene spec/render.json --state state.h5 --rollout r.h5 --out cameras/round0.json "$@"; }
+  fit --threads 1
+  grep -q '"candidates": \[' cameras/round0.json
+  cp cameras/round0.json first.json
+  fit --threads 3
+  cmp cameras/round0.json first.json
+  picture --cameras cameras/round0.json
+  [ "$(measured)" = "$before" ]
+  grep -q '"cameras/round0.json\|round0.json"' v.json
+  inside
+  # By hand the camera is fitted on the way; a second round keeps what the first one saw.
+  picture
+  inside
+  [ "$(measured)" = "$before" ]
+  fit --widen first.json --out wider.json
+  diff <(python3 -c "import json; print(json.load(open('first.json'))['cameras'])") <(python3 -c "import json; print(json.load(open('wider.json'))['cameras'])")
+  "$bin/pm-scene" slice --scene bundle/scene.json --out spec --set render.camera=orbit
+  fit
+  [ "$(grep -c world_to_camera cameras/round0.json)" -eq 10 ]
+  picture --cameras cameras/round0.json
+  [ "$(measured)" = "$before" ]
+  fails_with 2 "$bin/pm-render" fit --scene spec/render.json --state state.h5 --out c.json -- "--rollout"
+}
+
 @test "pm-render compare: videos side by side with titles" {
   render
   render --out videos/short.mp4 --frames 0-4

@@ -27,7 +27,7 @@ def run(folder, names):
     )
     for name in examples:
         done = subprocess.run(
-            ["make", "run", f"EXAMPLE={name}", f"RUN={folder}/{name}", f"SET={SETTINGS}", "THREADS=1"],
+            ["make", "run", f"EXAMPLE={name}", f"RUN={folder}/{name}", f"SET={SETTINGS}", "DEFAULTS=", "THREADS=1"],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
