@@ -130,7 +130,7 @@ struct AchievementMeter::Meter {
 
  private:
   mpm::Region choose(const mpm::Particles& rest, const Vec3d& up);
-  void ask(const std::vector<ScheduleOperation>& schedule, const mpm::Region& region);
+  void ask(const std::vector<ScheduleOperation>& schedule, const mpm::Particles& rest, const mpm::Region& region);
   Places places(const std::vector<int>& list, const mpm::Frame& frame, double ahead) const;
   Vec3d mean_velocity(const mpm::Frame& frame) const;
   void begin(const mpm::Frame& frame);
@@ -147,7 +147,8 @@ AchievementMeter::Meter::Meter(const ScheduleOperation& operation, const Candida
       quantity(quantity_of(operation.kind)),
       material(stiffest(operation.rows, candidate)),
       gravity(problem.domain.gravity) {
-  ask(candidate.schedule, choose(problem.particles, up));
+  const mpm::Region region = choose(problem.particles, up);
+  ask(candidate.schedule, problem.particles, region);
 }
 
 // The particles that are measured, and the axis; returns where the former lie.
@@ -190,7 +191,8 @@ mpm::Region AchievementMeter::Meter::choose(const mpm::Particles& rest, const Ve
 }
 
 // What the action asks for over its interval, and how much of that its speed limit leaves.
-void AchievementMeter::Meter::ask(const std::vector<ScheduleOperation>& schedule, const mpm::Region& region) {
+void AchievementMeter::Meter::ask(const std::vector<ScheduleOperation>& schedule, const mpm::Particles& rest,
+                                  const mpm::Region& region) {
   const double duration = op.end - op.start;
   const auto ratio_within = [&](double ratio, double change_limit) {
     const double most = extent > 0 ? change_limit * duration / extent : 0;
@@ -199,7 +201,7 @@ void AchievementMeter::Meter::ask(const std::vector<ScheduleOperation>& schedule
   switch (op.kind) {
     case Kind::torque:
       requested = op.rate * duration;
-      reachable = bounded_rate(bind_torque(op), region) * duration;
+      reachable = bounded_rate(bind_torque(op), mpm::select_region(bind_torque(op), rest)) * duration;
       break;
     case Kind::impulse:
       requested = reachable = op.velocity.norm();

@@ -2,8 +2,35 @@
 
 namespace physmas::mpm {
 
+namespace {
+
+constexpr double kJoint = 0.25;  // of the slab's thickness: the layer where it meets the rest
+
+// Turns the region about where it meets the rest: a neck that leans would be dragged sideways, and torn off, by a turn
+// about the centre of its head.
+void move_to_joint(const Torque& action, const Particles& rest, Region& region) {
+  const Vec3d axis = (1 / norm(action.axis)) * action.axis;
+  const double border = region.extent.high - (1 - kJoint) * action.slab_fraction * region.extent.length();
+  Vec3d sum{0, 0, 0};
+  double count = 0;
+  for (const int i : region.particles) {
+    if (dot(axis, rest.position[i]) > border) continue;
+    sum = sum + rest.position[i];
+    ++count;
+  }
+  if (count == 0) return;
+  region.center = (1 / count) * sum;
+  region.radius = 0;
+  for (const int i : region.particles)
+    region.radius = std::fmax(region.radius, norm(cross(axis, rest.position[i] - region.center)));
+}
+
+}  // namespace
+
 Region select_region(const Torque& action, const Particles& rest) {
-  return select_slab(action.rows, action.axis, action.slab_fraction, rest);
+  Region region = select_slab(action.rows, action.axis, action.slab_fraction, rest);
+  if (action.enforced && action.slab_fraction < 1) move_to_joint(action, rest, region);
+  return region;
 }
 
 double bounded_rate(const Torque& action, const Region& region) {

@@ -11,7 +11,8 @@
 namespace physmas::mpm {
 
 // During [start, end) the slab of the rows at the end `axis` is drawn into the tangential field ω × (x − c), ω = rate ·
-// axis, about the axis through its rest centre c. The rate is lowered until the outermost particle moves no faster than
+// axis, about the axis through its rest centre c; an enforced one about that through the centre of the layer where the
+// slab meets the rest. The rate is lowered until the outermost particle moves no faster than
 // `speed_limit`, and until what lies between the slab and the other end is not sheared by more than `strain_limit`.
 // Motion along the axis is free. Over [end, end + release) the slab may turn back to where it began, no faster than a
 // hand does.

@@ -473,6 +473,17 @@ TEST_CASE("mpm actions: an enforced torque turns what a blended one cannot, with
   CHECK(blended < 0.1);
   CHECK(enforced == doctest::Approx(0.8).epsilon(0.001));
 
+  // A head that leans on its neck turns about the neck.
+  Particles leaning;
+  leaning.position = {{1, 1, 0}, {1, 1, 0.81}, {1, 1, 0.84}, {1.1, 1, 0.9}, {1.4, 1, 1}};
+  leaning.row = {0, 0, 0, 0, 0};
+  Torque head{{0}, kUp, 1, 0.2, 10, 2e-3, 0, 1};
+  CHECK(select_region(head, leaning).center.x == doctest::Approx(1.125));
+  head.enforced = true;
+  CHECK(select_region(head, leaning).center.x == doctest::Approx(1));
+  CHECK(select_region(head, leaning).radius == doctest::Approx(0.4));
+  CHECK(select_region(head, leaning).particles.size() == 4);
+
   Region region;
   region.extent = {0.5, 1.5};
   region.radius = 0.3;
