@@ -240,7 +240,8 @@ endif
 ACCEPTED := $(filter accept,$(PM_DECISION$(LAST_ROUND)))
 
 # A run in which nothing is accepted shows its best candidate, with the reasons in the picture.
-$(STAMPS)/best: $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/screen/round$(LAST_ROUND).json $(IDS:%=$(RUN)/rollouts/%.json) \
+$(STAMPS)/best: $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/screen/round$(LAST_ROUND).json $(IDS:%=$(RUN)/rollouts/%.h5) \
+                $(IDS:%=$(RUN)/rollouts/%.json) \
                 $(call missing,$(RUN)/best.mp4) | $(call built,pm-render)
 	$(call stage,best,$(RUN)/best.mp4)
 	@$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/best.mp4,$@.log) \
