@@ -98,6 +98,8 @@ SH
   mine run SCENE=scene/scene.json RUN=run SET="screening.initial=2 screening.tau=1.0"
   sort jobs >sorted
   diff - sorted <<'LIST'
+camera0
+camera1
 candidates0
 candidates1
 ground

@@ -55,9 +55,11 @@ accepted_by_turning() {
   [ ! -e run/final.mp4 ]
   before=$(stat -c %y run/best.mp4)
   run again
+  [ "$status" -ne 0 ]
   [ "$(stat -c %y run/best.mp4)" = "$before" ]
   rm run/best.mp4
   run again
+  [ "$status" -ne 0 ]
   [ -s run/best.mp4 ]
   # At its first frames it is a block still.
   again SET=time.frames=6
