@@ -95,10 +95,12 @@ class Compiler {
     return found[0];
   }
 
-  // Where one object is all there is, what is no agent, no force, no tool and no floor can only be that object.
+  // Where one part is all there is, what is no agent, no force, no tool and no floor can only be that; where one object
+  // is, the names of things in general.
   bool means_only_object(const NounPhrase& phrase) const {
     const std::string head = singular(phrase.back());
-    return inventory_.objects.size() == 1 && !is_external(head) && !is_tool(head) && !is_ground(head);
+    if (inventory_.objects.size() > 1 || is_external(head) || is_tool(head) || is_ground(head)) return false;
+    return one_part_ || means_whole(head) || is_general(head);
   }
 
   // "a rubber bear": a word of material that is no part of the thing's own name tells what it is made of.

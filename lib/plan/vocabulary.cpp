@@ -147,6 +147,10 @@ bool means_whole(const std::string& noun) {
   return is_small(SmallWord::whole, noun);
 }
 
+bool is_general(const std::string& noun) {
+  return is_small(SmallWord::general, noun);
+}
+
 bool is_filler(const std::string& token) {
   return is_small(SmallWord::filler, token);
 }

@@ -87,6 +87,7 @@ bool is_wind(const std::string& noun);         // wind, breeze, gust: its push i
 bool is_ground(const std::string& noun);       // floor, table: what the run's colliders stand for
 bool is_tool(const std::string& noun);         // hammer, stick, car: acts where something else is acted on
 bool means_whole(const std::string& noun);     // object, thing: names nothing
+bool is_general(const std::string& noun);      // plant, toy: a kind of thing
 bool is_filler(const std::string& token);      // words that carry nothing for the plan
 
 }  // namespace physmas::plan

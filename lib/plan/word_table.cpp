@@ -22,8 +22,8 @@ constexpr std::array<const char*, 14> kDirections = {
     "up", "down", "left", "right", "toward", "away",      "+x",
     "-x", "+y",   "-y",   "+z",    "-z",     "clockwise", "counterclockwise"};
 constexpr std::array<const char*, kSmallWordCount> kSmallWords = {
-    "determiner", "pronoun",  "passive", "auxiliary", "giving", "negation", "clause-end",
-    "wind",       "external", "tool",    "whole",     "ground", "filler"};
+    "determiner", "pronoun",  "passive", "auxiliary", "giving",  "negation", "clause-end",
+    "wind",       "external", "tool",    "whole",     "general", "ground",   "filler"};
 
 constexpr std::array<const char*, 3> kRegions = {"top", "bottom", "side"};  // of Region, from the one after `none`
 constexpr std::array<const char*, 4> kNotModelled = {"fracture", "liquid", "heat", "life"};

@@ -25,10 +25,11 @@ enum class SmallWord {
   external,
   tool,
   whole,
+  general,
   ground,
   filler
 };
-constexpr int kSmallWordCount = 13;
+constexpr int kSmallWordCount = 14;
 
 struct WordTable {
   std::map<std::string, Verb> verbs;  // by every form

@@ -7,7 +7,7 @@ setup_file() {
   mkdir -p suite/references
   cp "$root/tests/data/tiny.json" suite/good.json
   # Nobody knows what that is: the scene agent refuses it.
-  sed 's/the lollipop falls onto the floor/a hand presses down on the hammer/' suite/good.json >suite/bad.json
+  sed 's/the lollipop falls onto the floor/a hand presses down on the elephant/' suite/good.json >suite/bad.json
   for name in good bad; do
     cat >suite/references/$name.json <<'JSON'
 {"schema": "physmas/configuration/1", "note": "marker-of-the-reference",
@@ -52,7 +52,7 @@ PY
   for method in full single; do
     [ "$(cell good $method Status)" = done ]
     [ "$(cell bad $method Status)" = failed ]
-    [[ "$(cell bad $method Why)" = *hammer* ]]
+    [[ "$(cell bad $method Why)" = *elephant* ]]
     [ -n "$(cell good $method trajectory_nrmse)" ]
     [ -z "$(cell bad $method trajectory_nrmse)" ]
     [ -s out/results/good/$method/motion-lollipop.json ]
