@@ -27,9 +27,9 @@ struct Islands {
 // nor take. An island that touches nothing keeps its row. The confidence of what was given away is capped as that of
 // votes. All at once, in one pass; the result does not depend on the thread count.
 //
-// The reach is `cell` [scene units], the edge of the solver's cell, across which particles feel each other, or twice the
-// median distance between neighbours of the row where the scene is sparser. Pieces are told apart on a lattice of half
-// of that: what lies in the same cell or in two that touch hangs together.
+// The reach is `cell` [scene units], the edge of the solver's cell, across which particles feel each other, or twice
+// the median distance between neighbours of the row where the scene is sparser. Pieces are told apart on a lattice of
+// half of that: what lies in the same cell or in two that touch hangs together.
 Islands join_islands(const Gaussians& gaussians, const Inventory& inventory, double cell, Labels& labels);
 
 }  // namespace physmas::lift

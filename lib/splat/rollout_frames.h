@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <vector>
 
 #include "records/rollout.h"
 #include "records/state.h"
