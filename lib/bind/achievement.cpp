@@ -332,7 +332,7 @@ std::string AchievementMeter::Meter::shortfall() const {
   }
   const unsigned fields = operation_fields(op.kind);
   if ((fields & kHasBlendTime) && op.kind != Kind::drag_pair && !op.enforced) {
-    return fmt::format("its bounded force does not move {}; choose a softer material{}", material,
+    return fmt::format("its bounded force does not move {}; choose a softer material (MATERIAL=){}", material,
                        op.kind == Kind::torque ? ", or controls.stiff=enforced" : "");
   }
   if (op.kind == Kind::impulse)
