@@ -152,6 +152,10 @@ int render(const Options& options) {
   shown.cameras = scene.output_cameras;
   if (!options.cameras.empty()) {
     shown = load_cameras(options.cameras);
+    if (shown.cameras.size() != 1 && static_cast<int>(shown.cameras.size()) != scene.run.time.frames) {
+      throw invalid_input({options.cameras, "/cameras", fmt::format("{} cameras", shown.cameras.size()),
+                           fmt::format("one, or one per frame ({})", scene.run.time.frames)});
+    }
   } else if (moved) {
     const std::vector<Camera> base = splat::base_cameras(scene, gaussians);
     add_rollout(scene, state, gaussians, rollout, execution, base, shown);

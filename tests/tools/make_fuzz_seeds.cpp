@@ -322,6 +322,16 @@ int main(int argc, char** argv) {
                 {"run", run}};
   for (const char* name : {"a", "b", "c", "d"}) view["name"] = name, scene["views"].push_back(view);
   seed("records/scene", scene.dump());
+  const Json reach = {{"right", 0.5}, {"left", -0.25}, {"down", 0}, {"up", -1}};
+  seed("records/cameras", Json({{"schema", "physmas/cameras/1"},
+                                {"mode", "fit"},
+                                {"distance", 1.25},
+                                {"candidates", {"soft"}},
+                                {"reach", reach},
+                                {"rest", reach},
+                                {"cameras", {view["camera"]}},
+                                {"omitted", Json::array()}})
+                              .dump());
   run["schema"] = "physmas/run/1";
   run["colliders"] = {{{"type", "plane"}, {"point", {0, 0, 0}}, {"normal", {0, 0, 1}}},
                       {{"type", "box"}, {"min", {0, 0, 0}}, {"max", {1, 1, 1}}},

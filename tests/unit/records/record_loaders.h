@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/file.h"
+#include "records/cameras.h"
 #include "records/candidate.h"
 #include "records/configuration.h"
 #include "records/evaluation.h"
@@ -85,6 +86,7 @@ inline const std::map<std::string, std::function<void(const std::string& path)>>
       {"candidate", [](const std::string& path) { load_candidate(path); }},
       {"round", [](const std::string& path) { load_round(path); }},
       {"execution", [](const std::string& path) { load_execution(path); }},
+      {"cameras", [](const std::string& path) { load_cameras(path); }},
       {"render", [](const std::string& path) { load_render(path); }},
       {"screen", [](const std::string& path) { load_screen(path); }},
       {"accepted", [](const std::string& path) { load_accepted(path); }},
