@@ -18,6 +18,7 @@
 #include "plan/stated_materials.h"
 #include "records/inventory.h"
 #include "records/json.h"
+#include "records/known_names.h"
 #include "records/masks.h"
 #include "records/plan.h"
 #include "records/scene.h"
@@ -104,7 +105,10 @@ int ground_scene(Options options) {
   if (models.chat || mask_models) pictures = load_view_pictures(scene);
   std::optional<plan::ChatAgent> agent;
   std::optional<Inventory> registered;
-  if (!scene.inventory.empty()) registered = load_inventory(scene.inventory);
+  if (!scene.inventory.empty()) {
+    registered = load_inventory(scene.inventory);
+    require_known_names(*registered, view_names, scene.inventory);
+  }
   Inventory inventory;
   Json proposal;
   if (models.chat) {

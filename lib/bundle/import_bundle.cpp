@@ -23,6 +23,7 @@
 #include "bundle/views.h"
 #include "records/inventory.h"
 #include "records/json.h"
+#include "records/known_names.h"
 #include "records/labels.h"
 #include "records/scene.h"
 #include "scene/gaussian_files.h"
@@ -357,7 +358,11 @@ void write_import_bundle(const ImportOptions& given) {
   if (!options.dataparser.empty()) provenance.add_input(options.dataparser);
   std::vector<std::string> row_keys;
   if (!options.inventory.empty()) {
-    row_keys = load_inventory(options.inventory).row_keys();
+    const Inventory inventory = load_inventory(options.inventory);
+    std::vector<std::string> views;
+    for (const SceneView& view : scene.views) views.push_back(view.name);
+    require_known_names(inventory, views, options.inventory);
+    row_keys = inventory.row_keys();
     provenance.add_input(options.inventory);
     scene.inventory = options.folder + "/inventory.json";
     copies.push_back({scene.inventory, read_file(options.inventory)});

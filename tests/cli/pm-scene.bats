@@ -179,6 +179,16 @@ PY
   grep -q "Gaussians are more than particles.max = 50: 25 of them are simulated and carry the others" "$BATS_TEST_TMPDIR/errors"
 }
 
+@test "import refuses an inventory whose views and labels do not exist" {
+  for change in 's/"expected_labels": \[/&"Rubbr", /' 's/"structural_role"/"hints": {"regions": {"fron": [[[0, 0], [1, 0], [1, 1]]]}}, "structural_role"/'; do
+    python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); [r.update(expected_labels=["Rubber"]) or r.pop("hints", 0) for r in d["rows"]]; json.dump(d, sys.stdout)' \
+      "$TINY/inventory.json" | sed "$change" >"$BATS_TEST_TMPDIR/inventory.json"
+    expected=Plasticine
+    [[ $change = *Rubbr* ]] || expected="a view of the scene: front, right, back, left"
+    refused_input "$expected" import "$TINY/gaussians.ply" --prompt "it falls" --inventory "$BATS_TEST_TMPDIR/inventory.json"
+  done
+}
+
 @test "bad prompts, files and names are refused and nothing is written" {
   refused_input "--prompt" import "$TINY/gaussians.ply" --prompt "  "
   refused_input "nowhere.ply" import "$BATS_TEST_TMPDIR/nowhere.ply" --prompt x
