@@ -74,11 +74,11 @@ $(STAMPS)/bundle: $(foreach v,GAUSSIANS SPEC INVENTORY PHYSGAUSSIAN CAMERAS DATA
                   $(call missing,$(BUNDLE)/scene.json) | $(call built,pm-scene)
 	$(call stage,import,$(BUNDLE))
 	@$(call job,$(@F),$(threads),$(job_inputs) $(in_make_MASKS) $(in_make_VIEWS),$(BUNDLE)/scene.json,$@.log) \
-	$(BIN)/pm-scene import "$$PM_GAUSSIANS" --prompt "$$PM_PROMPT" --out $(BUNDLE) \
+	$(BIN)/pm-scene import "$$PM_ASKED_GAUSSIANS" --prompt "$$PM_ASKED_PROMPT" --out $(BUNDLE) \
 	  $(call option,--up=,UP) $(call option,--front=,FRONT) $(call option,--inventory ,INVENTORY) $(call option,--masks ,MASKS) \
 	  $(call option,--views ,VIEWS) $(call option,--cameras ,CAMERAS) $(call option,--dataparser-transforms ,DATAPARSER) \
 	  $(call option,--run ,SPEC) $(call option,--physgaussian ,PHYSGAUSSIAN) $(call option,--opacity-threshold ,OPACITY) \
-	  $(if $(CROP),--crop $$PM_CROP) $(call option,--drop ,DROP) $(call option,--azimuth ,AZIMUTH) \
+	  $(if $(CROP),--crop $$PM_ASKED_CROP) $(call option,--drop ,DROP) $(call option,--azimuth ,AZIMUTH) \
 	  $(call option,--elevation ,ELEVATION) --threads $(threads)
 	$(finish)
 endif

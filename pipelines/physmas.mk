@@ -7,7 +7,7 @@
 #              OPACITY, CROP, DROP, AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
 #   SCENE      a scene.json                                 -> used where it lies
 # PROMPT   what shall happen, instead of what the scene says
-# MATERIAL what parts are made of: "head=Rubber body=Wood", or one label for all        -> pm-ground --material
+# MATERIAL what parts are made of: MATERIAL="head=Rubber body=Wood" or MATERIAL=Rubber                   -> pm-ground --material
 # SPEC     a run specification: below what is imported, above an example's or a bundle's own
 # SET      run settings that win over the scene's: SET="screening.tau=0.6 time.frames=20"
 # CAMERA   of the videos: fixed (the scene's), fit (keeps what moves in the picture) or orbit (and turns)  -> SET=render.camera=...
@@ -51,7 +51,7 @@ FORCE:
 
 DEFAULTS ?= render.camera=fit render.floor=shadow
 SETTINGS := $(value SET) $(CAMERA:%=render.camera=%) $(DEFAULTS:%=default %)
-GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(MATERIAL),MATERIAL) $(if $(SCENE_AGENT),MODEL),$(v)=$(value $(v))$(newline))
+GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL) $(call given,MATERIAL),$(v)=$(value $(v))$(newline))
 MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))
 include $(PIPELINES)inputs.mk
 $(eval $(call remember,$(RUN)/settings,$(SETTINGS)))
@@ -147,12 +147,13 @@ $(STAMPS)/camera$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(3:%=$(RUN)/rollo
 $(RUN)/cameras/round$(1).json: $(STAMPS)/camera$(1) ;
 endef
 
-# $(call candidate_rules,ID,CAMERAS): simulation and rendering of one candidate; CAMERAS: of its round, where they are fitted.
+# $(call candidate_rules,ID,CAMERAS,PART): simulation and rendering of one candidate. CAMERAS: of its round, where they are fitted; PART:
+# which of how many it is in its round, 2/6, for the tools' progress lines.
 define candidate_rules
 $(STAMPS)/simulate-$(1): $(RUN)/spec/simulate.json $(RUN)/state.h5 $(RUN)/candidates/$(1).json \
     $(call missing,$(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json) | $(call built,pm-simulate)
 	$$(call stage,simulate,$$(RUN)/rollouts/$(1).h5)
-	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/rollouts/$(1).h5 $$(RUN)/rollouts/$(1).json,$$@.log) \
+	@PM_CANDIDATE=$(3) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/rollouts/$(1).h5 $$(RUN)/rollouts/$(1).json,$$@.log) \
 	$(BIN)/pm-simulate --scene $$< --state $(RUN)/state.h5 --candidate $(RUN)/candidates/$(1).json \
 	  --out $(RUN)/rollouts/$(1).h5 --threads $$(threads)
 	$$(finish)
@@ -160,7 +161,7 @@ $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json: $(STAMPS)/simulate-$(1) ;
 $(STAMPS)/render-$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json $(2) \
     $(call missing,$(RUN)/videos/$(1).json) | $(call built,pm-render)
 	$$(call stage,render,$$(RUN)/videos/$(1).mp4)
-	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/videos/$(1).json,$$@.log) \
+	@PM_CANDIDATE=$(3) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/videos/$(1).json,$$@.log) \
 	$(BIN)/pm-render --scene $$< --state $(RUN)/state.h5 --rollout $(RUN)/rollouts/$(1).h5 \
 	  --out $(RUN)/videos/$(1).mp4 --sheet $(RUN)/videos/$(1).png --candidate $(RUN)/candidates/$(1).json $(2:%=--cameras %) --threads $$(threads)
 	$$(finish)
@@ -207,7 +208,8 @@ ROUNDS += $(1)
 -include $$(call known,candidates/round$(1).mk)
 IDS += $$(PM_ROUND$(1))
 $$(eval $$(call candidates_rules,$(1),$$(PREVIOUS)))
-$$(foreach id,$$(PM_ROUND$(1)),$$(eval $$(call candidate_rules,$$(id),$$(PM_CAMERA:%=$$(RUN)/cameras/round$(1).json))))
+COUNTED :=
+$$(foreach id,$$(PM_ROUND$(1)),$$(eval COUNTED += $$(id))$$(eval $$(call candidate_rules,$$(id),$$(PM_CAMERA:%=$$(RUN)/cameras/round$(1).json),$$(words $$(COUNTED))/$$(words $$(PM_ROUND$(1))))))
 $$(if $$(and $$(PM_CAMERA),$$(PM_ROUND$(1))),$$(eval $$(call camera_rules,$(1),$$(PREVIOUS),$$(PM_ROUND$(1)))))
 $$(eval $$(call screen_rules,$(1),$$(IDS),$$(ROUNDS)))
 include $$(call known,screen/round$(1).mk)

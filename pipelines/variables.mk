@@ -72,9 +72,9 @@ endif
 # --- What they name -----------------------------------------------------------------------------------------------
 
 # As a user typed it, for tools; through the environment, so that neither make nor the shell reads a prompt or a name.
-$(foreach v,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(filter-out SET,$(SCENE_VARIABLES)),$(eval export PM_$(v) := $$(value $(v))))
+$(foreach v,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(filter-out SET,$(SCENE_VARIABLES)),$(eval export PM_ASKED_$(v) := $$(value $(v))))
 # $(call option,FLAG,VARIABLE): the flag, with the space or = that ends it, and its value, where there is one.
-option = $(if $(value $(2)),$(1)"$$PM_$(2)")
+option = $(if $(value $(2)),$(1)"$$PM_ASKED_$(2)")
 
 # What make or a shell reads as something else than part of a name.
 special := : % \# ; = * ? [ ] ( ) | & ' " ` \ ~ < > ! { } $$

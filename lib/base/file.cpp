@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/half_files.h"
 
 namespace fs = std::filesystem;
 
@@ -68,13 +69,19 @@ AtomicFile::AtomicFile(const std::string& path, const std::string& suffix) : pat
   if (fs::is_directory(path, failure)) throw invalid_input({path, "", "a folder", "a file to write"});
   // The process id keeps parallel jobs apart; the leading dot keeps half files out of listings.
   temporary_ = (folder / fmt::format(".{}.{}.tmp{}", fs::path(path).filename().string(), getpid(), suffix)).string();
+  remove_on_signal(temporary_);
   const int fd = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  if (fd < 0) throw system_error(path, "cannot be written", errno);
+  if (fd < 0) {
+    const int reason = errno;
+    keep_on_signal(temporary_);
+    throw system_error(path, "cannot be written", reason);
+  }
   ::close(fd);
 }
 
 AtomicFile::~AtomicFile() {
   if (!committed_) ::unlink(temporary_.c_str());
+  keep_on_signal(temporary_);
 }
 
 bool AtomicFile::commit() {

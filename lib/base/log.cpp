@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 
 #include "base/error.h"
 
@@ -55,9 +56,31 @@ void log_debug(const std::string& text) {
   if (g_level >= LogLevel::debug) print_line("debug: ", text);
 }
 
+ProgressPart ProgressPart::from_environment() {
+  ProgressPart part;
+  const char* text = std::getenv("PM_CANDIDATE");
+  if (text == nullptr || std::sscanf(text, "%ld/%ld", &part.index, &part.count) != 2 || part.index < 1 ||
+      part.count < part.index) {
+    return {};
+  }
+  return part;
+}
+
+std::string progress_text(const ProgressPart& part, const std::string& label, long done, long total, double elapsed) {
+  std::string text;
+  if (part.count > 1) text = fmt::format("candidate {} of {}, ", part.index, part.count);
+  text += fmt::format("{} {} of {}", label, done, total);
+  if (done == 0) return text;
+  const double whole = elapsed * static_cast<double>(total) / static_cast<double>(done);
+  const double left = whole - elapsed + whole * static_cast<double>(part.count - part.index);
+  text += left < 100 ? fmt::format(", about {:.0f} s left", left) : fmt::format(", about {:.0f} min left", left / 60);
+  return part.count > 1 ? text + " in all" : text;
+}
+
 Progress::Progress(std::string label, long total)
     : label_(std::move(label)),
       total_(total),
+      part_(ProgressPart::from_environment()),
       start_(seconds_now()),
       active_(total > 0 && isatty(STDERR_FILENO) != 0 && g_level >= LogLevel::warning) {}
 
@@ -70,9 +93,8 @@ void Progress::update(long done) {
   const double now = seconds_now();
   if (done < total_ && last_draw_ >= 0 && now - last_draw_ < 0.1) return;
   last_draw_ = now;
-  const double elapsed = now - start_;
-  const double left = done > 0 ? elapsed * static_cast<double>(total_ - done) / static_cast<double>(done) : 0;
-  std::fputs(fmt::format("\r{}: {} {}/{}, {:.0f} s left \033[K", g_tool, label_, done, total_, left).c_str(), stderr);
+  std::fputs(fmt::format("\r{}: {} \033[K", g_tool, progress_text(part_, label_, done, total_, now - start_)).c_str(),
+             stderr);
   std::fflush(stderr);
 }
 

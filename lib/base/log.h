@@ -23,8 +23,19 @@ void log_note(const std::string& text);
 void log_info(const std::string& text);
 void log_debug(const std::string& text);
 
+// One of several jobs of the same kind: candidate 2 of 6.
+struct ProgressPart {
+  long index = 1, count = 1;
+  // From the environment variable PM_CANDIDATE, "2/6", as make sets it; the only one where it says nothing useful.
+  static ProgressPart from_environment();
+};
+
+// "candidate 2 of 6, frame 12 of 50, about 40 s left in all". Those that follow are taken to last as long as this one.
+// elapsed: seconds since this one began.
+std::string progress_text(const ProgressPart& part, const std::string& label, long done, long total, double elapsed);
+
 // A progress line with the time left, redrawn in place. Silent unless stderr is a terminal and the level is at least
-// info.
+// warning.
 class Progress {
  public:
   // label: what is being counted ("frame"); total: how many there will be, > 0.
@@ -38,6 +49,7 @@ class Progress {
  private:
   std::string label_;
   long total_;
+  ProgressPart part_;
   double start_;
   double last_draw_ = -1;
   bool active_;

@@ -123,6 +123,27 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
   cmp run/final.mp4 "$BATS_FILE_TMPDIR/run/final.mp4"
 }
 
+@test "pipeline: an interruption leaves no temporary file" {
+  # Minutes of work, but no more steps than are allowed.
+  for signal in INT TERM; do
+    # As the terminal does it: the signal goes to make and all that it started. A background job would ignore SIGINT.
+    python3 -c 'import os, signal, sys
+os.setsid()
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+os.execvp(sys.argv[1], sys.argv[1:])' env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -f "$root/pipelines/installed.mk" BIN="$bin" run \
+      SCENE="$PWD/bundle/scene.json" RUN="$PWD/run" SET="time.frames=400 time.frame_dt=4 time.max_substeps=1000000" >log 2>&1 3>&- &
+    started=$!
+    until compgen -G 'run/rollouts/.*.h5.*.tmp' >half || ! kill -0 "$started"; do sleep 0.02; done
+    kill -"$signal" -- -"$started"
+    status=0
+    wait "$started" || status=$?
+    cat log half
+    [ -s half ]
+    [ "$status" -ne 0 ]
+    [ -z "$(find . -name '.*.tmp*')" ]
+  done
+}
+
 @test "pipeline: a scene that needs a repair round ends accepted after it" {
   # Of two candidates the better one lacks 0.015 to tau; role balancing makes its plasticine a jelly.
   run_make SET="screening.initial=2 screening.tau=1.0" DEFAULTS=render.camera=fit >log
