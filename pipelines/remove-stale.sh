@@ -17,7 +17,7 @@ elif [ ! -e "$run/.stamps/candidates$round" ] || [ "$run/candidates/round$round.
 fi
 if [ -n "$later" ]; then
   for n in 1 2; do
-    if [ "$n" -gt "$round" ]; then rm -f "$run"/{candidates,screen}/round"$n".{json,mk}; fi
+    if [ "$n" -gt "$round" ]; then rm -f "$run"/{candidates,screen}/round"$n".{json,mk} "$run/cameras/round$n.json"; fi
   done
 fi
 

@@ -3,12 +3,17 @@
 #include "bundle/import_bundle.h"
 #include "bundle/report.h"
 #include "bundle/synth_bundle.h"
+#include "plan/prompt.h"
 #include "records/json.h"
 #include "records/overrides.h"
 #include "records/scene.h"
 #include "records/slices.h"
 
 using namespace physmas;
+
+namespace {
+constexpr double kDropByPrompt = -1;
+}
 
 int main(int argc, char** argv) {
   std::string example, scene, described, folder, overrides_file, prompt;
@@ -68,9 +73,13 @@ int main(int argc, char** argv) {
     import_command.add_option("--physgaussian", import.physgaussian,
                               "PhysGaussian configuration to take the run specification from");
     import_command.add_option("--name", import.name, "Id of the scene [a-z0-9-]; made from FILE when absent");
-    import_command.add_option("--drop", import.drop, "Height above the floor that is added, solver units")
-        .between(0.0, 1.0)
-        .capture_default_str();
+    import.drop = kDropByPrompt;
+    import_command
+        .add_option(
+            "--drop", import.drop,
+            "Height above the floor that is added, solver units; by default 0.15 where the prompt begins with a "
+            "fall, else 0")
+        .between(0.0, 1.0);
     const auto add_angle = [&](const char* flag, double& value, double limit, const char* text) {
       import_command.add_option(flag, value, text).between(-limit, limit).capture_default_str();
     };
@@ -98,6 +107,8 @@ int main(int argc, char** argv) {
     import.folder = folder;
     if (!crop.empty()) import.selection.crop = bundle::crop_box(crop, "--crop");
     if (synth_command.parsed()) bundle::write_synth_bundle(example, folder, true_masks);
+    if (import.drop == kDropByPrompt)
+      import.drop = plan::starts_in_the_air(import.prompt) ? bundle::ImportOptions().drop : 0;
     if (import_command.parsed()) bundle::write_import_bundle(import);
     if (slice_command.parsed())
       write_slices(scene, run_overrides(overrides_file, settings), run_overrides("", defaults), prompt, folder);

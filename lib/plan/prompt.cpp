@@ -445,4 +445,12 @@ Reading read_prompt(const std::string& prompt, const std::vector<std::string>& k
   return Reader(known_nouns).read(prompt);
 }
 
+bool starts_in_the_air(const std::string& prompt) {
+  const Reading reading = read_prompt(prompt, {});
+  if (reading.events.empty()) return true;
+  const Event& first = reading.events.front();
+  const bool bounces = one_of(first.verb.lemma, {"bounce", "rebound"});
+  return !first.negated && !first.tips && (first.verb.meaning.kind == Meaning::Kind::gravity || bounces);
+}
+
 }  // namespace physmas::plan

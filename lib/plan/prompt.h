@@ -49,6 +49,10 @@ struct Reading {
 // or when it is one of these and another verb follows in its clause.
 Reading read_prompt(const std::string& prompt, const std::vector<std::string>& known_nouns);
 
+// Whether what happens first is a fall ("falls", "is dropped", "bounces"), or nothing is understood: such a scene
+// starts above its floor. What is pushed, sways or does nothing stands on it.
+bool starts_in_the_air(const std::string& prompt);
+
 }  // namespace physmas::plan
 
 #endif

@@ -168,6 +168,11 @@ PY
 @test "what stands in a capture carries its weight from the start, unless the run specification says otherwise" {
   import "$TINY/gaussians.ply" --prompt "it stands" --up z --drop 0
   grep -q '"start": "equilibrium"' "$OUT/scene.json"
+  standing="$(grep -A9 '"colliders"' "$OUT/scene.json")"
+  import "$TINY/gaussians.ply" --prompt "it stands" --up z
+  [ "$(grep -A9 '"colliders"' "$OUT/scene.json")" = "$standing" ]
+  import "$TINY/gaussians.ply" --prompt "it falls" --up z
+  [ "$(grep -A9 '"colliders"' "$OUT/scene.json")" != "$standing" ]
   echo '{"schema": "physmas/run/1", "time": {"start": "rest"}}' > "$BATS_TEST_TMPDIR/run.json"
   import "$TINY/gaussians.ply" --prompt "it stands" --up z --drop 0 --run "$BATS_TEST_TMPDIR/run.json"
   grep -q '"start": "rest"' "$OUT/scene.json"

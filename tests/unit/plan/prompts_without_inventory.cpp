@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/words.h"
+#include "plan/prompt.h"
 #include "plan/scene_inventory.h"
 #include "plan/scene_plan.h"
 #include "plan/stated_materials.h"
@@ -82,6 +83,14 @@ TEST_CASE("plan: without an inventory every noun that is no agent means the one 
     CAPTURE(entry.first);
     CHECK(summary(understand(entry.first)) == entry.second);
   }
+}
+
+TEST_CASE("plan: what does not fall first stands on its floor") {
+  for (const char* prompt : {"the guitar falls onto the floor", "drop it", "it bounces", "Der Ball faellt", "x"})
+    CHECK(starts_in_the_air(prompt));
+  for (const char* prompt : {"it does not fall", "press the toy, then it falls", "the statue falls over", "it sways",
+                             "the toy stands still"})
+    CHECK_FALSE(starts_in_the_air(prompt));
 }
 
 TEST_CASE("plan: what is guessed or left out is said") {
