@@ -50,10 +50,10 @@ class Compiler {
                        run_.time.duration(), timetable_.factor()));
     }
     if (reading.events.empty()) note("no verb that the built-in agent knows: gravity only");
+    plan_.still = plan_.actions.empty() && asks_for_stillness(reading);
     if (plan_.actions.empty())
-      plan_.omitted.push_back({"actions", asks_for_stillness(reading)
-                                              ? "the prompt asks for no motion: gravity and the colliders only"
-                                              : "gravity and the colliders do what the prompt tells"});
+      plan_.omitted.push_back({"actions", plan_.still ? "the prompt asks for no motion: gravity and the colliders only"
+                                                      : "gravity and the colliders do what the prompt tells"});
     plan_.resolved = true;
     return std::move(plan_);
   }

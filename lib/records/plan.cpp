@@ -59,6 +59,7 @@ Plan load_plan(const std::string& path, const Inventory& inventory) {
     plan.materials.push_back(
         {target, *find_label(json.at("label").get<std::string>()), json.at("word").get<std::string>()});
   }
+  plan.still = document.value("still", false);
   plan.proposal = document.at("proposal");
   plan.corrections = document.at("corrections").get<std::vector<std::string>>();
   plan.omitted = omissions_from(document);
@@ -90,6 +91,7 @@ void save_plan(const std::string& path, const Plan& plan, const Provenance& prov
     json["materials"].push_back(
         {{"target", material.target}, {"label", kLabels[material.label].name}, {"word", material.word}});
   }
+  if (plan.still) json["still"] = true;
   json["proposal"] = plan.proposal;
   json["corrections"] = plan.corrections;
   json["omitted"] = to_json(plan.omitted);

@@ -37,6 +37,7 @@ struct Plan {
   bool resolved = false;
   std::vector<PlanAction> actions;
   std::vector<PlanMaterial> materials;
+  bool still = false;  // the prompt asks for no motion
   Json proposal = Json::object();
   std::vector<std::string> corrections;
   std::vector<Omission> omitted;

@@ -120,6 +120,8 @@ void score_candidate(ScreenedCandidate& screened, const Executed& executed, cons
   for (const AchievedAction& action : executed.execution.achieved)
     screened.achieved = std::min(screened.achieved.value_or(1), action.share);
   if (executed.execution.stillness) screened.stillness = executed.execution.stillness->share;
+  // Of a prompt that asks for no motion, standing still is all that there is to achieve.
+  if (scene.plan.still) screened.achieved = screened.stillness;
 }
 
 }  // namespace physmas::screen

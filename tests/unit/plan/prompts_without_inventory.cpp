@@ -157,6 +157,13 @@ TEST_CASE("plan: what is told one after the other fits into the run") {
   CHECK(short_steps.actions[1].end == doctest::Approx(0.7));
 }
 
+TEST_CASE("plan: a prompt that asks for no motion is a plan of its own") {
+  for (const char* prompt : {"the toy does not move", "the toy stands still", "it stays where it is"})
+    CHECK(understand(prompt).plan.still);
+  for (const char* prompt : {"the toy falls", "push the toy", "the toy bounces", "a quiet scene"})
+    CHECK_FALSE(understand(prompt).plan.still);
+}
+
 TEST_CASE("plan: back and forth are strokes that end where they began") {
   const Plan plan = understand("swing it back and forth").plan;
   REQUIRE(plan.actions.size() == 5);

@@ -373,6 +373,9 @@ TEST_CASE("screen: what was achieved stands beside Q, and is a gate only where t
   CHECK(s.score == score);
   CHECK(s.valid);
   CHECK(s.gates.size() == 6);
+  bench.plan.still = true;  // standing still was asked for
+  CHECK(*bench.screened().achieved == 0.8);
+  bench.plan.still = false;
 
   const auto gated = [&](double achieved_min, double stillness_min) {
     SceneRecords scene = bench.scene();
