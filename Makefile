@@ -241,7 +241,7 @@ test: test-unit test-fuzz test-cli ## Run every test (SAN=1 for sanitizers)
 
 # So that CI compiles in parallel and tests one after the other.
 .PHONY: test-programs
-test-programs: all $(BUILD)/test/unit $(TEST_TOOLS) $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%)
+test-programs: all $(BUILD)/test/unit $(TEST_TOOLS) $$(patsubst %,$(BUILD)/test/fuzz/%,$$(FUZZ_TARGETS))
 
 # The solver's kernels depend on the width of the registers; most machines that build it know one width only.
 NARROWER := $(if $(filter x86_64,$(shell uname -m)),x86-64-v3 x86-64)
