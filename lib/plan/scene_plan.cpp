@@ -95,11 +95,17 @@ class Compiler {
     return found[0];
   }
 
+  // Hands, people, forces, tools.
+  static bool acts_from_outside(const NounPhrase& phrase) {
+    const std::string head = singular(phrase.back());
+    return is_external(head) || is_tool(head);
+  }
+
   // Where one part is all there is, what is no agent, no force, no tool and no floor can only be that; where one object
   // is, the names of things in general.
   bool means_only_object(const NounPhrase& phrase) const {
     const std::string head = singular(phrase.back());
-    if (inventory_.objects.size() > 1 || is_external(head) || is_tool(head) || is_ground(head)) return false;
+    if (inventory_.objects.size() > 1 || acts_from_outside(phrase) || is_ground(head)) return false;
     return one_part_ || means_whole(head) || is_general(head);
   }
 
@@ -368,7 +374,7 @@ class Compiler {
   // "falls (onto Y)": gravity does it; falling onto another object of the scene is a driven collision.
   void compile_fall(const Event& event) {
     const NounPhrase& falling = event.passive || event.object.empty() ? event.subject : event.object;
-    if (!falling.empty() && (is_external(singular(falling.back())) || is_tool(singular(falling.back())))) {
+    if (!falling.empty() && acts_from_outside(falling)) {
       const std::string hit = resolve(event.goal.empty() ? event.toward : event.goal);
       if (resolve(falling).empty() && !hit.empty()) {
         note(kNotDone + fmt::format("{} is not in the scene and does not fall: {} is pressed from above instead",

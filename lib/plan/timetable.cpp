@@ -10,10 +10,6 @@ namespace {
 // A stage that nothing is commanded in ("it falls, then ...") takes this share of the run.
 constexpr double kIdleStage = 0.35;
 
-bool lasts(const PlanAction& action, double whole) {
-  return action.type == ActionType::support_hold && action.end >= whole;
-}
-
 }  // namespace
 
 Timetable::Timetable(const RunSpecification& run)
@@ -64,7 +60,7 @@ void Timetable::fit(std::vector<PlanAction>& actions) {
   factor_ = whole_ / latest_end_;
   for (PlanAction& action : actions) {
     const double length = action.end - action.start;
-    const bool holds = lasts(action, whole_);
+    const bool holds = action.type == ActionType::support_hold && action.end >= whole_;
     action.start *= factor_;
     action.end =
         holds ? whole_ : std::min(action.start + (action.type == ActionType::impulse ? 1 : factor_) * length, whole_);
