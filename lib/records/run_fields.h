@@ -25,6 +25,7 @@ inline constexpr std::array<const char*, 3> kColliderModes = {"sticky", "slip", 
 inline constexpr std::array<const char*, 2> kTimeRules = {"paper", "cfl"};
 inline constexpr std::array<const char*, 2> kOnDivergence = {"stop", "cfl"};
 inline constexpr std::array<const char*, 2> kStarts = {"rest", "equilibrium"};
+inline constexpr std::array<const char*, 2> kContacts = {"stick", "separate"};
 inline constexpr std::array<const char*, 2> kIslands = {"keep", "join"};
 inline constexpr std::array<const char*, 2> kOcclusions = {"none", "depth"};
 inline constexpr std::array<const char*, 3> kCameraModes = {"fixed", "fit", "orbit"};
@@ -101,6 +102,13 @@ void visit_fields(Run& run, Visitor& v) {
   v.field("walls", run.walls, between(3, 16), "cells between the domain's faces and its walls",
           kGround | kLift | kCandidates | kSimulate);
 
+  v.section("contact", kSimulate, "");
+  v.field(
+      "objects", choice(run.contact.objects, kContacts), {},
+      "stick: objects that touch move with one velocity field, as the paper has it; separate: they push and rub, and "
+      "part again");
+  v.field("friction", run.contact.friction, kNotNegative, "Coulomb coefficient between objects that are separate");
+
   v.section("particles", kLift, "");
   v.field("max", run.particles.max, between(1, 10000000),
           "Gaussians and filled particles together; of more Gaussians some are simulated and carry the others");
@@ -158,8 +166,10 @@ void visit_fields(Run& run, Visitor& v) {
           "boxes alone, as the paper writes it");
   v.field("achieved_min", run.screening.achieved_min, kUnit,
           "gate: the smallest share of its request that an action must have met; 0: no gate");
-  v.field("stillness_min", run.screening.stillness_min, kUnit,
-          "gate: how still what nothing moved or touched must have stood; 0: no gate");
+  v.field(
+      "stillness_min", run.screening.stillness_min, kUnit,
+      "gate: how still what nothing moved or touched must have stood; 0: no gate. Not given: 0.5 where the prompt asks "
+      "for no motion, else no gate");
   v.field("dark_luminance", run.screening.dark_luminance, kUnit,
           "a foreground pixel below this Rec. 709 luminance is dark", kRender);
   v.field("weights", run.screening.weights, {},

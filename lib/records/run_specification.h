@@ -60,6 +60,16 @@ struct RunSpecification {
   };
   std::vector<Collider> colliders;
 
+  // Between objects. stick: one velocity field for everything, as the paper has it; what touches stays together.
+  // separate: a field per object; they push, rub and part.
+  struct Contact {
+    enum class Objects { stick, separate };
+    std::optional<Objects> objects;  // stick
+    std::optional<double> friction;  // Coulomb coefficient; 0.4
+    bool separates() const { return objects.value_or(Objects::stick) == Objects::separate; }
+    double friction_between() const { return friction.value_or(0.4); }
+  } contact;
+
   int walls = 3;  // cells between the domain's faces and its walls
 
   struct ParticleBudget {
@@ -114,9 +124,10 @@ struct RunSpecification {
     int rounds = 3;
     int repairs = 3;
     double tau = 0.72;
-    bool excuse_rotation = true;   // what turned is not flattened; false: image boxes alone, the paper's letter
-    double achieved_min = 0;       // 0..1: an action that met less of its request is a failed gate; 0: off
-    double stillness_min = 0;      // 0..1: as much must stand still of what nothing moves; 0: off
+    bool excuse_rotation = true;  // what turned is not flattened; false: image boxes alone, the paper's letter
+    double achieved_min = 0;      // 0..1: an action that met less of its request is a failed gate; 0: off
+    // 0..1: as much must stand still of what nothing moves. 0: off; not said: 0.5 where the prompt asks for no motion.
+    std::optional<double> stillness_min;
     double dark_luminance = 0.08;  // Rec. 709 luminance of 8-bit sRGB values, 0..1
     // w of Eq. supp-critic: video, part confidence, diversity, role, base, density, solver.
     std::array<double, 7> weights = {1, 0.27, 0.10, 0.25, 0.15, 0.08, 0.15};

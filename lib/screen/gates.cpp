@@ -85,8 +85,8 @@ void check_gates(ScreenedCandidate& screened, const Executed& executed, const Sc
       plan_gate(scene.plan),  process_gate(executed.execution), numerical_gate(executed.execution),
       spread_gate(endpoints), flattening_gate(endpoints),       support_gate(executed.candidate, scene.inventory)};
   if (scene.achieved_min > 0) screened.gates.push_back(share_gate("achieved", screened.achieved, scene.achieved_min));
-  if (scene.stillness_min > 0)
-    screened.gates.push_back(share_gate("stillness", screened.stillness, scene.stillness_min));
+  if (scene.least_stillness() > 0)
+    screened.gates.push_back(share_gate("stillness", screened.stillness, scene.least_stillness()));
   for (Gate& gate : screened.gates) {
     if (!gate.passed) gate.advice = advice_for(gate.name, executed.execution);
   }

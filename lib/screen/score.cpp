@@ -117,6 +117,8 @@ void score_candidate(ScreenedCandidate& screened, const Executed& executed, cons
   for (size_t i = 0; i < features.size(); ++i) screened.score += scene.weights[i] * features[i];
   screened.score -= screened.penalty;
 
+  // What a motion that broke down had done until then says nothing of what it would have done.
+  if (executed.execution.diverged) return;
   for (const AchievedAction& action : executed.execution.achieved)
     screened.achieved = std::min(screened.achieved.value_or(1), action.share);
   if (executed.execution.stillness) screened.stillness = executed.execution.stillness->share;

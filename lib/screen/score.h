@@ -26,7 +26,10 @@ struct SceneRecords {
   double tau = 0;                                                         // acceptance threshold
   std::array<double, 7> weights = RunSpecification::Screening().weights;  // of the features, in the order of phi
   bool excuse_rotation = true;  // what is neither spread nor flattened in the objects' own frame passes
-  double achieved_min = 0, stillness_min = 0;                             // 0: no gate
+  double achieved_min = 0;                                                // 0: no gate
+  std::optional<double> stillness_min;                                    // empty: as the plan asks
+  // How still what nothing moves must stand; 0: no gate. A prompt that asks for no motion is not met by half of it.
+  double least_stillness() const { return stillness_min.value_or(plan.still ? 0.5 : 0); }
 };
 
 // An executed candidate.

@@ -377,7 +377,7 @@ TEST_CASE("screen: what was achieved stands beside Q, and is a gate only where t
   CHECK(*bench.screened().achieved == 0.8);
   bench.plan.still = false;
 
-  const auto gated = [&](double achieved_min, double stillness_min) {
+  const auto gated = [&](double achieved_min, std::optional<double> stillness_min) {
     SceneRecords scene = bench.scene();
     scene.achieved_min = achieved_min, scene.stillness_min = stillness_min;
     return decide_round({bench.executed}, scene, 0, 3);
@@ -395,6 +395,18 @@ TEST_CASE("screen: what was achieved stands beside Q, and is a gate only where t
   CHECK(text.find("    0.06   0.80") != std::string::npos);
   record = gated(0, 0.81);
   CHECK(record.reason.find("failed gates: stillness") != std::string::npos);
+  // Of a prompt that asks for no motion, half is not enough, but where the run says that it is.
+  bench.executed.execution.stillness->share = 0.4;
+  CHECK(gated(0, std::nullopt).decision == "accept");
+  bench.plan.still = true;
+  CHECK(gated(0, std::nullopt).reason.find("failed gates: stillness") != std::string::npos);
+  CHECK(gated(0, 0).decision == "accept");
+  bench.plan.still = false;
+  // A motion that broke down is not rated by what it did until then.
+  bench.executed.execution.diverged = true;
+  CHECK_FALSE(bench.screened().achieved);
+  CHECK_FALSE(bench.screened().stillness);
+  bench.executed.execution.diverged = false;
   // Nothing was measured: nothing is refused.
   bench.executed.execution.achieved.clear();
   bench.executed.execution.stillness.reset();
