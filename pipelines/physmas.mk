@@ -49,7 +49,7 @@ FORCE:
 
 # --- What was asked for: rewritten only when it changes -----------------------------------------------------------
 
-DEFAULTS ?= render.camera=fit render.floor=shadow
+DEFAULTS ?= render.camera=fit render.floor=shadow contact.objects=separate
 SETTINGS := $(value SET) $(CAMERA:%=render.camera=%) $(DEFAULTS:%=default %)
 GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL) $(call given,MATERIAL),$(v)=$(value $(v))$(newline))
 MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))

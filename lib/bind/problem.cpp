@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "bind/contact.h"
 #include "bind/domain.h"
 #include "bind/materials.h"
 #include "bind/schedule.h"
@@ -31,6 +32,7 @@ mpm::Problem bind_problem(const Candidate& candidate, const State& state, const 
   problem.domain = bind_domain(run);
   problem.materials = bind_materials(candidate, state, files.candidate);
   problem.constants = bind_constants(run.profile);
+  problem.contact = bind_contact(state, run.contact);
   problem.particles = bind_particles(state);
   problem.schedule = bind_schedule(candidate, run);
   return problem;

@@ -35,6 +35,14 @@ void check_problem(const Problem& p, const Timing& t) {
     if (!(m.nu > -1 && m.nu < 0.5)) refuse(where + "nu", std::to_string(m.nu), "above -1 and below 0.5");
     if (!(m.rho > 0) || !std::isfinite(m.rho)) refuse(where + "rho", std::to_string(m.rho), "a positive density");
   }
+  if (!p.contact.body.empty() && p.contact.body.size() != p.materials.size())
+    refuse("bodies", std::to_string(p.contact.body.size()) + " entries", "one per material, or none");
+  for (const int body : p.contact.body) {
+    if (body < 0 || body >= kMostBodies)
+      refuse("body", std::to_string(body), "0 to " + std::to_string(kMostBodies - 1));
+  }
+  if (!(p.contact.friction >= 0) || !std::isfinite(p.contact.friction))
+    refuse("friction between bodies", std::to_string(p.contact.friction), "a number that is not negative");
   const Particles& q = p.particles;
   const size_t count = q.size();
   const auto fits = [&](size_t size) { return size == 0 || size == count; };

@@ -82,10 +82,11 @@ void blend_actions(const StepperSetup& setup, const std::vector<Control>& contro
   }
 }
 
-Grid p2g(const StepperSetup& setup, const State& state, double dt) {
+Grid p2g(const StepperSetup& setup, const State& state, double dt, int body) {
   Grid grid(setup.domain);
   const double dx = setup.domain.dx();
   for (size_t q = 0; q < state.size(); ++q) {
+    if (setup.contact.of(setup.row[q]) != body) continue;
     const MaterialParameters<double>& p = parameters_of(setup, q);
     const double mass = p.density * setup.volume[q];
     const Mat3d tau = branch_stress(branch_of(setup, q), p, state.F[q]);
@@ -105,6 +106,25 @@ void grid_update(const Domain& domain, double dt, Grid& grid) {
   }
 }
 
+void meet(const StepperSetup& setup, std::vector<Grid>& grids) {
+  const int n = grids[0].nodes;
+  for (int a = 0; a < n * n * n; ++a) {
+    std::vector<BodyAtNode> here;
+    std::vector<int> body;
+    for (size_t b = 0; b < grids.size(); ++b) {
+      const std::vector<double>& mass = grids[b].mass;
+      if (!(mass[a] > 0)) continue;  // then a is no node of the boundary: particles stay away from it
+      here.push_back({mass[a],
+                      {0.5 * (mass[a + n * n] - mass[a - n * n]), 0.5 * (mass[a + n] - mass[a - n]),
+                       0.5 * (mass[a + 1] - mass[a - 1])},
+                      grids[b].velocity[a]});
+      body.push_back(static_cast<int>(b));
+    }
+    mpm::meet(here.data(), static_cast<int>(here.size()), setup.contact.friction);
+    for (size_t k = 0; k < here.size(); ++k) grids[body[k]].velocity[a] = here[k].u;
+  }
+}
+
 void contact(const Domain& domain, Grid& grid) {
   for (size_t a = 0; a < grid.mass.size(); ++a) {
     if (!(grid.mass[a] > 0)) continue;
@@ -120,9 +140,10 @@ void contact(const Domain& domain, Grid& grid) {
   }
 }
 
-void g2p(const StepperSetup& setup, const Grid& grid, State& state) {
+void g2p(const StepperSetup& setup, const std::vector<Grid>& grids, State& state) {
   const double dx = setup.domain.dx();
   for (size_t q = 0; q < state.size(); ++q) {
+    const Grid& grid = grids[setup.contact.of(setup.row[q])];
     Vec3d v = {0, 0, 0};
     Mat3d moment = diagonal(0.0, 0.0, 0.0);  // Σ w u (x_a − x_q)ᵀ
     for_each_node(grid, dx, state.x[q], [&](int a, double w, const Vec3d& offset) {
@@ -173,10 +194,14 @@ void return_map(const StepperSetup& setup, double dt, State& state) {
 
 void substep(const StepperSetup& setup, const std::vector<Control>& controls, double dt, State& state) {
   blend_actions(setup, controls, state);
-  Grid grid = p2g(setup, state, dt);
-  grid_update(setup.domain, dt, grid);
-  contact(setup.domain, grid);
-  g2p(setup, grid, state);
+  std::vector<Grid> grids;
+  for (int body = 0; body < setup.contact.bodies(); ++body) {
+    grids.push_back(p2g(setup, state, dt, body));
+    grid_update(setup.domain, dt, grids.back());
+  }
+  meet(setup, grids);
+  for (Grid& grid : grids) contact(setup.domain, grid);
+  g2p(setup, grids, state);
   const std::vector<Increment> increments = enforce_actions(setup, controls, state);
   move(setup, increments, dt, state);
   return_map(setup, dt, state);

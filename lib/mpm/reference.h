@@ -31,14 +31,16 @@ struct Increment {
 
 // Actions, first part: blends velocities and affine maps with the fields, and adds what forces change.
 void blend_actions(const StepperSetup& setup, const std::vector<Control>& controls, State& state);
-// Masses and momenta of the nodes, with dt times the stress force (paper, Eq. "p2g").
-Grid p2g(const StepperSetup& setup, const State& state, double dt);
+// Masses and momenta of the nodes, with dt times the stress force (paper, Eq. "p2g"), of the rows of one body.
+Grid p2g(const StepperSetup& setup, const State& state, double dt, int body = 0);
 // Velocities u_a = p_a / m_a (Eq. "gridupdate"), then gravity.
 void grid_update(const Domain& domain, double dt, Grid& grid);
+// Where nodes have mass of several bodies. grids: per body.
+void meet(const StepperSetup& setup, std::vector<Grid>& grids);
 // Colliders, then walls.
 void contact(const Domain& domain, Grid& grid);
-// Velocities and affine maps B_q of the particles.
-void g2p(const StepperSetup& setup, const Grid& grid, State& state);
+// Velocities and affine maps B_q of the particles. grids: per body.
+void g2p(const StepperSetup& setup, const std::vector<Grid>& grids, State& state);
 // Actions, second part: enforced motion overrules G2P. Returns the position increments, [N].
 std::vector<Increment> enforce_actions(const StepperSetup& setup, const std::vector<Control>& controls, State& state);
 // Places, F and total F advance.

@@ -14,6 +14,7 @@ namespace {
 StepperSetup make_setup(const Problem& problem, const Options& options, const ActionPlan& actions) {
   StepperSetup setup;
   setup.domain = problem.domain;
+  setup.contact = problem.contact;
   for (const Material& m : problem.materials) {
     setup.branches.push_back(m.branch);
     setup.parameters.push_back(derive_parameters(m, problem.constants));
@@ -75,7 +76,7 @@ double hopeless_step(const StepperSetup& setup) {
 //
 //   p2g          masses and momenta of the nodes, with the actions' velocities and the stress (paper, Eq. "p2g")
 //   grid update  velocities of the nodes (Eq. "gridupdate") and gravity
-//   contact      colliders and walls
+//   contact      bodies with one another, where they have fields of their own; then colliders and walls
 //   g2p          velocities, affine maps, places and deformation of the particles, then the return map
 //
 // (reference.h has it in plain loops, cpu/cpu_stepper.cpp as the CPU runs it), and at an output frame come

@@ -12,6 +12,7 @@
 #include "base/device.h"
 #include "mpm/action/schedule.h"
 #include "mpm/balance.h"
+#include "mpm/body_contact.h"
 #include "mpm/domain.h"
 #include "mpm/material/material.h"
 #include "mpm/state.h"
@@ -24,6 +25,7 @@ namespace physmas::mpm {
 struct Problem {
   Domain domain;
   std::vector<Material> materials;  // per row; rows without particles are allowed
+  BodyContact contact;              // by default all rows are one body
   ProfileConstants constants;
   Particles particles;
   Schedule schedule;

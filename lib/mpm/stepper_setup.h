@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mpm/body_contact.h"
 #include "mpm/domain.h"
 #include "mpm/material/material.h"
 
@@ -12,6 +13,7 @@ namespace physmas::mpm {
 
 struct StepperSetup {
   Domain domain;
+  BodyContact contact;
   std::vector<Branch> branches;                        // per row
   std::vector<MaterialParameters<double>> parameters;  // per row
   std::vector<int> row;                                // per particle

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "mpm/body_contact.h"
 #include "mpm/cpu/blocks.h"
 #include "mpm/cpu/column_transfer.h"
 
@@ -31,17 +33,18 @@ class BlockLayout {
   std::vector<int> from;    // per slot: index of an arrival, -1: nothing
   std::vector<int> column;  // per register: the column's lowest cell, -1: not a column
 
-  // Lays out arrivals[0 .. block.count - 1]; fills in the block's slots, loose registers and reach.
-  void lay_out(const Arrival* arrivals, ParticleBlock& block);
+  // Lays out arrivals[0 .. block.count - 1]; fills in the block's slots, loose registers, bodies and reach.
+  void lay_out(const Arrival* arrivals, const BodyContact& contact, ParticleBlock& block);
 
  private:
   void take_columns(const Arrival* arrivals, bool mixed);
+  void part_bodies(const Arrival* arrivals, const BodyContact& contact);
 
   std::vector<int> order_, in_columns_, loose_;  // kept for their memory
 };
 
 template <int W>
-void BlockLayout<W>::lay_out(const Arrival* arrivals, ParticleBlock& block) {
+void BlockLayout<W>::lay_out(const Arrival* arrivals, const BodyContact& contact, ParticleBlock& block) {
   int next[kBlockNodes + 1] = {};
   bool mixed = false;
   for (int k = 0; k < block.count; ++k) {
@@ -65,10 +68,16 @@ void BlockLayout<W>::lay_out(const Arrival* arrivals, ParticleBlock& block) {
   for (int c = 0; c < kBlockNodes; ++c) next[c + 1] += next[c];
   order_.resize(block.count);
   for (int k = 0; k < block.count; ++k) order_[next[arrivals[k].cell]++] = k;
+  block.bodies = 0;
   if (mixed) {
-    std::stable_sort(order_.begin(), order_.end(), [&](int k, int l) { return arrivals[k].row < arrivals[l].row; });
+    const auto rank = [&](int k) { return std::pair(contact.of(arrivals[k].row), arrivals[k].row); };
+    std::stable_sort(order_.begin(), order_.end(), [&](int k, int l) { return rank(k) < rank(l); });
+    for (int k = 0; k < block.count; ++k) block.bodies |= 1u << contact.of(arrivals[k].row);
+  } else if (block.count > 0) {
+    block.bodies = 1u << contact.of(arrivals[0].row);
   }
   take_columns(arrivals, mixed);
+  if ((block.bodies & (block.bodies - 1)) != 0) part_bodies(arrivals, contact);
 
   const int room = static_cast<int>(loose_.size() + in_columns_.size() / kColumnsPerSpare);
   block.loose = (room + W - 1) / W;
@@ -78,6 +87,20 @@ void BlockLayout<W>::lay_out(const Arrival* arrivals, ParticleBlock& block) {
   from.insert(from.end(), in_columns_.begin(), in_columns_.end());
   block.slots = static_cast<int>(from.size());
   column.insert(column.begin(), block.loose, -1);
+}
+
+// Fills registers of loose particles up where the next body's begin.
+template <int W>
+void BlockLayout<W>::part_bodies(const Arrival* arrivals, const BodyContact& contact) {
+  const std::vector<int> together = std::move(loose_);
+  loose_.clear();
+  int body = -1;
+  for (const int k : together) {
+    const int next = contact.of(arrivals[k].row);
+    if (next != body) loose_.resize((loose_.size() + W - 1) / W * W, -1);
+    body = next;
+    loose_.push_back(k);
+  }
 }
 
 // From order_, sorted by row and cell, to columns, in_columns_ and loose_.

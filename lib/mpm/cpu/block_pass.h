@@ -393,10 +393,13 @@ BlockReport BlockPass<T>::run(int index, double dt) {
 
   const int begin = block.begin / W, end = begin + block.slots / W;
   for (int reg = begin, count = 1; reg < end; reg += count, count = 1) {
-    const int column = store_.registers[reg].column;
-    while (column >= 0 && count < kColumnBatch && reg + count < end && store_.registers[reg + count].column == column) {
+    const int column = store_.registers[reg].column, body = store_.registers[reg].body;
+    while (column >= 0 && count < kColumnBatch && reg + count < end && store_.registers[reg + count].column == column &&
+           store_.registers[reg + count].body == body) {
       ++count;
     }
+    const T* const velocity = grid_.velocity(block, body);
+    T* const momentum = grid_.momentum(block, body);
     LaneBits lanes[kColumnBatch];
     const T* x[kColumnBatch];
     for (int r = 0; r < count; ++r) {
@@ -406,25 +409,26 @@ BlockReport BlockPass<T>::run(int index, double dt) {
     }
     if (column < 0) {
       if (lanes[0] == 0) continue;
-      if (kGather) exchange.gather_particles(grid_.velocity(block), x[0], lanes[0], run.numbers[0]);
+      if (kGather) exchange.gather_particles(velocity, x[0], lanes[0], run.numbers[0]);
       advance_any(reg, column, run.numbers[0]);
-      if (kScatter) exchange.scatter_particles(grid_.momentum(block), x[0], lanes[0], run.numbers[0]);
-      if (kMeasure && kScatter) exchange.scatter_particles(grid_.force_free(block), x[0], lanes[0], run.force_free);
+      if (kScatter) exchange.scatter_particles(momentum, x[0], lanes[0], run.numbers[0]);
+      if (kMeasure && kScatter)
+        exchange.scatter_particles(grid_.force_free(block, body), x[0], lanes[0], run.force_free);
       continue;
     }
-    if (kGather) exchange.gather_columns(grid_.velocity(block), column, count, x, lanes, run.numbers);
+    if (kGather) exchange.gather_columns(velocity, column, count, x, lanes, run.numbers);
     for (int r = 0; r < count; ++r) {
       const LaneBits strays = advance_any(reg + r, column, run.numbers[r]);
       if (!kScatter) continue;
       if (strays != 0) {
-        scatter_strays(exchange, grid_.momentum(block), x[r], column, strays, run.numbers[r]);
-        if (kMeasure) scatter_strays(exchange, grid_.force_free(block), x[r], column, strays, run.force_free);
+        scatter_strays(exchange, momentum, x[r], column, strays, run.numbers[r]);
+        if (kMeasure) scatter_strays(exchange, grid_.force_free(block, body), x[r], column, strays, run.force_free);
         store_.registers[reg + r].leaving = strays;
         run.leaving = true;
       }
-      if (kMeasure) exchange.scatter_columns(grid_.force_free(block), column, 1, &run.force_free);
+      if (kMeasure) exchange.scatter_columns(grid_.force_free(block, body), column, 1, &run.force_free);
     }
-    if (kScatter) exchange.scatter_columns(grid_.momentum(block), column, count, run.numbers);
+    if (kScatter) exchange.scatter_columns(momentum, column, count, run.numbers);
   }
   if (run.leaving) store_.leave_columns(index);
   BlockReport report = run.report;

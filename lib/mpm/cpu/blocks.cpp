@@ -21,7 +21,7 @@ bool in_one_run(const ParticleBlock& a, const ParticleBlock& b) {
 
 BlockMap::BlockMap(int nodes) : table_((nodes + kBlock - 1) / kBlock + 2) {
   index_of_id_.assign(grid_block_count(), -1);
-  reached_.assign(grid_block_count(), false);
+  reached_.assign(grid_block_count(), -1);
 }
 
 void BlockMap::start(std::vector<int> ids) {
@@ -92,18 +92,22 @@ void BlockMap::connect(int threads) {
     for (int code = 0; code < 27; ++code) {
       const int step[3] = {code / 9 - 1, code / 3 % 3 - 1, code % 3 - 1};
       bool empty = false;
-      GridBlock reached{block.id, {}};
+      GridBlock reached{block.id, {}, block.bodies};
       for (int axis = 0; axis < 3; ++axis) {
         empty = empty || block.high[axis] < kBlock * step[axis] || block.low[axis] >= kBlock * (step[axis] + 1);
         reached.position[axis] = block.position[axis] + step[axis];
         reached.id += step[axis] * id_stride(axis);
       }
-      if (empty || reached_[reached.id]) continue;
-      reached_[reached.id] = true;
+      if (empty) continue;
+      if (reached_[reached.id] >= 0) {
+        grid_blocks[reached_[reached.id]].bodies |= block.bodies;
+        continue;
+      }
+      reached_[reached.id] = static_cast<int>(grid_blocks.size());
       grid_blocks.push_back(reached);
     }
   }
-  for (const GridBlock& block : grid_blocks) reached_[block.id] = false;
+  for (const GridBlock& block : grid_blocks) reached_[block.id] = -1;
   std::sort(grid_blocks.begin(), grid_blocks.end(), [](const GridBlock& a, const GridBlock& b) { return a.id < b.id; });
 }
 

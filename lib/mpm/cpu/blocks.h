@@ -25,6 +25,7 @@ struct ParticleBlock {
   int slots = 0;         // slots that belong to it, a multiple of the lane count
   int loose = 0;         // registers at its beginning whose particles go to the grid one by one
   int strayed = 0;       // by how many particles its columns have become poorer since the last sort
+  unsigned bodies = 0;   // a bit for each body that has particles in it
   // Nodes from the block's first, inclusive, that its particles can reach until the next sort.
   std::int8_t low[3] = {}, high[3] = {};
 };
@@ -33,6 +34,7 @@ struct ParticleBlock {
 struct GridBlock {
   int id;
   int position[3];
+  unsigned bodies;  // a bit for each body whose particles can
 };
 
 class BlockMap {
@@ -70,7 +72,7 @@ class BlockMap {
  private:
   int table_;
   std::vector<int> index_of_id_;  // valid for the present blocks only
-  std::vector<bool> reached_;     // per id, all false between calls
+  std::vector<int> reached_;      // per id: its index while grid_blocks is made; -1 between calls
 };
 
 }  // namespace physmas::mpm

@@ -18,7 +18,7 @@ void ParticleStore<T>::leave_columns(int block) {
       const int lane = __builtin_ctz(left);
       Slot to = column_place(columns, end, reg, lane);
       if (to.reg < 0) {
-        to = loose_place(first, columns, registers[reg].row);
+        to = loose_place(first, columns, registers[reg]);
         home.strayed += 1;
       }
       if (to.reg < 0) {
@@ -77,14 +77,14 @@ typename ParticleStore<T>::Slot ParticleStore<T>::column_place(int begin, int en
   return {};
 }
 
-// A free lane among loose registers, of its own row if possible.
+// A free lane among loose registers of its body, of its own row if possible.
 template <class T>
-typename ParticleStore<T>::Slot ParticleStore<T>::loose_place(int begin, int end, int row) const {
+typename ParticleStore<T>::Slot ParticleStore<T>::loose_place(int begin, int end, const Register& home) const {
   Slot place;
   for (int g = begin; g < end; ++g) {
     const Register& to = registers[g];
-    if (to.lanes == kAllLanes<T>) continue;
-    const bool own_kind = to.lanes == 0 || to.row == row;
+    if (to.lanes == kAllLanes<T> || (to.lanes != 0 && to.body != home.body)) continue;
+    const bool own_kind = to.lanes == 0 || to.row == home.row;
     if (place.reg < 0 || own_kind) place = {g, __builtin_ctz(~to.lanes)};
     if (own_kind) break;
   }
@@ -105,6 +105,7 @@ void ParticleStore<T>::move(int reg, int lane, const Slot& to) {
   Register &old_home = registers[reg], &home = registers[to.reg];
   home.row = home.lanes == 0 || home.row == old_home.row ? old_home.row : -1;
   home.control = home.lanes == 0 || home.control == own ? own : kSeveral;
+  home.body = old_home.body;
   home.lanes |= LaneBits(1) << to.lane;
   old_home.lanes &= ~(LaneBits(1) << lane);
 }

@@ -2,7 +2,8 @@
 //
 // Slots are sorted by block. A block ends with registers that are columns: four particles of one row in each of some
 // cells that are neighbours along z (column_transfer.h), where a cell has that many. What is left lies before them by
-// row, so that nearly all lanes of a register share a branch, and then by cell. Between sorts a particle that leaves
+// body and row, so that nearly all lanes of a register share a branch, and then by cell; no register holds particles of
+// two bodies. Between sorts a particle that leaves
 // its cell of a column moves to a free lane of another column or of the loose registers. Every block begins with a new
 // register. Positions are in cells from the block's first node, which makes float positions eight to sixteen times
 // finer than absolute ones.
@@ -60,6 +61,7 @@ class ParticleStore {
     LaneBits lanes = 0;         // those that hold particles
     LaneBits leaving = 0;       // of a column: those that are not in their cell any more
     std::int8_t column = -1;    // the block's cell that is the column's lowest, -1: not a column
+    std::uint8_t body = 0;      // whose velocity field its particles move with; of all lanes
     std::uint16_t control = 0;  // control group of all particles, kSeveral where they differ
   };
   std::vector<Register> registers;
@@ -84,7 +86,7 @@ class ParticleStore {
   };
   Slot column_place(int begin, int end, int reg, int lane);
   Slot loose_particle(int begin, int end, int reg, int lane);
-  Slot loose_place(int begin, int end, int row) const;
+  Slot loose_place(int begin, int end, const Register& home) const;
   void move(int reg, int lane, const Slot& to);
   void place();
   // Where an empty slot's particle rests [cells]: inside its cell of a column, so that it does not stray.
@@ -233,7 +235,7 @@ void ParticleStore<T>::place() {
   if (blocks > static_cast<int>(layouts_.size())) layouts_.resize(blocks);
   team_.for_each(blocks, [&](int b) {
     ParticleBlock& block = map.particle_blocks[b];
-    layouts_[b].lay_out(arrivals_.data() + block.first, block);
+    layouts_[b].lay_out(arrivals_.data() + block.first, setup_.contact, block);
   });
   slots_ = 0;
   for (ParticleBlock& block : map.particle_blocks) {
@@ -267,6 +269,7 @@ void ParticleStore<T>::describe(int reg, const Arrival* const* from, const int* 
   home.lanes = lanes;
   home.leaving = 0;
   home.control = control;
+  home.body = row >= 0 ? static_cast<std::uint8_t>(setup_.contact.of(row)) : 0;
 }
 
 // Calls function(reg, from) for all registers of block b, from[l] the arrival that lane l will hold, or null.

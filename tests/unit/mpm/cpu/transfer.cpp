@@ -244,9 +244,10 @@ TEST_CASE("mpm block layout: every particle has one slot, and those in columns l
   constexpr int W = 16, kCells = W / kColumnSlots;
   std::mt19937 random(11);
   BlockLayout<W> layout;  // used again, as the solver does
-  for (const int rows : {1, 3}) {
+  for (const auto& [rows, bodies] : {std::pair(1, 1), std::pair(3, 1), std::pair(3, 2)}) {
     for (const int count : {1, 15, 200, 600}) {
       CAPTURE(rows);
+      CAPTURE(bodies);
       CAPTURE(count);
       std::vector<Arrival> arrivals;
       for (int k = 0; k < count; ++k) {
@@ -254,7 +255,10 @@ TEST_CASE("mpm block layout: every particle has one slot, and those in columns l
       }
       ParticleBlock block;
       block.count = count;
-      layout.lay_out(arrivals.data(), block);
+      BodyContact contact;  // of three rows, the first and the last are one body
+      if (bodies > 1) contact.body = {0, 1, 0};
+      layout.lay_out(arrivals.data(), contact, block);
+      if (count > 15) CHECK(block.bodies == (1u << bodies) - 1);
       REQUIRE(layout.from.size() == static_cast<size_t>(block.slots));
       REQUIRE(layout.column.size() * W == static_cast<size_t>(block.slots));
       std::vector<int> held(count);
@@ -266,6 +270,12 @@ TEST_CASE("mpm block layout: every particle has one slot, and those in columns l
       int columns = 0;
       for (int r = 0; r < block.slots / W; ++r) {
         CHECK((layout.column[r] < 0) == (r < block.loose));
+        std::set<int> bodies_here;
+        for (int l = 0; l < W; ++l) {
+          const int k = layout.from[r * W + l];
+          if (k >= 0) bodies_here.insert(contact.of(arrivals[k].row));
+        }
+        CHECK(bodies_here.size() <= 1);
         if (layout.column[r] < 0) continue;
         ++columns;
         int filled = 0, wrong = 0;
