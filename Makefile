@@ -33,6 +33,9 @@ BUILD ?= build
 MODE_FLAGS := -DNDEBUG
 endif
 
+# Lists of headers name objects as they were called when they were compiled: in this tree by one name only.
+override BUILD := $(patsubst $(CURDIR)/%,%,$(BUILD))
+
 .DEFAULT_GOAL := all
 include packaging/kernels.mk
 

@@ -210,13 +210,15 @@ IDS += $$(PM_ROUND$(1))
 $$(eval $$(call candidates_rules,$(1),$$(PREVIOUS)))
 COUNTED :=
 $$(foreach id,$$(PM_ROUND$(1)),$$(eval COUNTED += $$(id))$$(eval $$(call candidate_rules,$$(id),$$(PM_CAMERA:%=$$(RUN)/cameras/round$(1).json),$$(words $$(COUNTED))/$$(words $$(PM_ROUND$(1))))))
-$$(if $$(and $$(PM_CAMERA),$$(PM_ROUND$(1))),$$(eval $$(call camera_rules,$(1),$$(PREVIOUS),$$(PM_ROUND$(1)))))
+$$(if $$(and $$(PM_CAMERA),$$(PM_ROUND$(1))),$$(eval $$(call camera_rules,$(1),$$(PREVIOUS),$$(PM_ROUND$(1))))$$(eval BEST_CAMERAS := $$(RUN)/cameras/round$(1).json))
 $$(eval $$(call screen_rules,$(1),$$(IDS),$$(ROUNDS)))
 include $$(call known,screen/round$(1).mk)
 endef
 ROUNDS :=
 IDS :=
 LAST_ROUND :=
+# What the best candidate is seen with, where nothing is accepted.
+BEST_CAMERAS :=
 $(eval $(call round_rules,0))
 # The next one, when the screen of the last is known and asked for repairs.
 $(foreach n,1 2,$(if $(filter repair,$(PM_DECISION$(LAST_ROUND))),$(eval $(call round_rules,$(n)))))
@@ -243,12 +245,12 @@ ACCEPTED := $(filter accept,$(PM_DECISION$(LAST_ROUND)))
 
 # A run in which nothing is accepted shows its best candidate, with the reasons in the picture.
 $(STAMPS)/best: $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/screen/round$(LAST_ROUND).json $(IDS:%=$(RUN)/rollouts/%.h5) \
-                $(IDS:%=$(RUN)/rollouts/%.json) \
+                $(IDS:%=$(RUN)/rollouts/%.json) $(BEST_CAMERAS) \
                 $(call missing,$(RUN)/best.mp4) | $(call built,pm-render)
 	$(call stage,best,$(RUN)/best.mp4)
 	@$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/best.mp4,$@.log) \
 	$(BIN)/pm-render best --scene $< --state $(RUN)/state.h5 --screen $(RUN)/screen/round$(LAST_ROUND).json \
-	  --rollouts $(RUN)/rollouts --out $(RUN)/best.mp4 --quiet --threads $(threads)
+	  --rollouts $(RUN)/rollouts --candidates $(RUN)/candidates $(BEST_CAMERAS:%=--cameras %) --out $(RUN)/best.mp4 --quiet --threads $(threads)
 	$(finish)
 
 .PHONY: run-finished

@@ -1,5 +1,7 @@
 #include "records/execution.h"
 
+#include <filesystem>
+
 #include "records/json.h"
 
 namespace physmas {
@@ -157,6 +159,10 @@ ExecutionRecord load_execution(const std::string& path) {
   record.omitted = omissions_from(document);
   record.runtime = document.at("runtime");
   return record;
+}
+
+std::string execution_path_of(const std::string& rollout) {
+  return std::filesystem::path(rollout).replace_extension(".json").string();
 }
 
 void save_execution(const std::string& path, const ExecutionRecord& record, const Provenance& provenance) {

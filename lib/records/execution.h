@@ -102,6 +102,8 @@ struct ExecutionRecord {
 };
 
 ExecutionRecord load_execution(const std::string& path);
+// Where the record of a rollout is: beside it, "rollouts/ID.json".
+std::string execution_path_of(const std::string& rollout);
 void save_execution(const std::string& path, const ExecutionRecord& record, const Provenance& provenance);
 
 }  // namespace physmas

@@ -15,6 +15,8 @@
 #include "splat/renderer.h"
 #include "splat/rollout_frames.h"
 #include "splat/video.h"
+#include "splat/video_cameras.h"
+#include "splat/video_pictures.h"
 
 namespace physmas::splat {
 namespace {
@@ -58,18 +60,22 @@ std::string write_best_video(const BestVideoOptions& options) {
   const std::vector<std::string> reasons = reasons_of(best, screen);
 
   const RolloutFrames rollout(join_path(options.rollouts, best.id + ".h5"), state);
-  const Camera& first = scene.output_camera(0);
+  const ExecutionRecord execution = load_execution(execution_path_of(join_path(options.rollouts, best.id + ".h5")));
+  const FittedCameras shown = video_cameras(scene, state, gaussians, rollout, execution, options.cameras);
+  const Camera& first = shown.camera(0);
   Renderer renderer(gaussians);
-  RenderOptions render_options;
-  render_options.background = scene.run.render.background.cast<float>();
-  render_options.max_sh_degree = scene.run.render.sh_degree;
+  const RenderOptions render_options = video_options(scene.run.render);
+  const std::string candidate = options.candidates.empty() ? "" : join_path(options.candidates, best.id + ".json");
+  VideoPictures pictures(scene, state, gaussians, {options.scene, "", candidate, best.id});
   VideoWriter video(options.out, first.width, first.height, 1 / scene.run.time.frame_dt);
   const int frames = scene.run.time.frames;
   Progress progress("frame", frames);
   for (int t = 0; t < frames; ++t) {
-    const Camera& camera = scene.output_camera(t);
-    const TransportedFrame frame = rollout.frame(std::min(t, rollout.count() - 1));
-    Image picture = quantize(renderer.render(camera, frame.deformation(), render_options));
+    const Camera& camera = shown.camera(t);
+    const int last = std::min(t, rollout.count() - 1);
+    const TransportedFrame frame = rollout.frame(last);
+    const RenderedImage& image = renderer.render(camera, frame.deformation(), render_options);
+    Image picture = pictures.picture(image, quantize(image), frame, rollout.time(last), camera);
     write_caption(picture, reasons);
     video.write(picture);
     progress.update(t + 1);

@@ -12,6 +12,8 @@ namespace physmas::splat {
 struct BestVideoOptions {
   std::string scene, state, screen;  // the scene or its render slice, state.h5, and the last round's screen record
   std::string rollouts;              // folder with ID.h5 and ID.json
+  std::string cameras;               // of fit_cameras; may be empty (video_cameras.h)
+  std::string candidates;            // folder with ID.json, for render.agents: true; may be empty else
   std::string out;                   // .mp4
 };
 

@@ -54,7 +54,7 @@ struct Bench {
   }
   bool excuse_rotation = true;
   SceneRecords scene() const {
-    SceneRecords records{inventory, evidence, plan, kFrames, tau};
+    SceneRecords records{inventory, evidence, plan, kFrames, tau, RunSpecification::Screening().weights, true, 0, {}};
     records.excuse_rotation = excuse_rotation;
     return records;
   }
