@@ -12,6 +12,7 @@
 #include "bind/rollout.h"
 #include "bind/start.h"
 #include "bind/stillness.h"
+#include "bind/tearing.h"
 #include "bind/timing.h"
 #include "bind/vector.h"
 #include "records/json.h"
@@ -72,11 +73,13 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
     rollout.start_from(problem.particles.deformation_gradient);
     bind::AchievementMeter achievement(candidate, problem, bind::to_mpm(run.placement.up_vector()), run.time.frame_dt);
     bind::StillnessMeter stillness(candidate, problem);
+    std::vector<TornRow> torn;
     Progress progress("frame", timing.timing.frames);
     const mpm::Result result = mpm::run(problem, timing.timing, solver, [&](const mpm::Frame& frame) {
       rollout.append(frame);
       achievement.observe(frame);
       stillness.observe(frame);
+      if (frame.index + 1 == timing.timing.frames) torn = bind::torn_rows(candidate, problem, frame.state.x);
       progress.update(frame.index + 1);
     });
     if (!only_if_stable || result.status == mpm::Status::stable) rollout.commit();
@@ -84,6 +87,7 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
     ExecutionRecord record = bind::execution_record(candidate, problem, timing, solver, result);
     record.achieved = achievement.result();
     record.stillness = stillness.result();
+    record.torn = torn;
     return record;
   };
   mpm::Options solver = solver_options(options, common, run);
@@ -103,6 +107,7 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   for (const AchievedAction& action : record.achieved) {
     if (!action.shortfall.empty() && !record.diverged) log_warning(candidate.id + ": " + bind::shortfall_line(action));
   }
+  for (const TornRow& row : record.torn) log_warning(candidate.id + ": " + bind::torn_line(row));
   if (record.diverged) {
     log_warning(fmt::format("{}: {}", candidate.id, record.divergence->advice));
     return static_cast<int>(options.strict ? ExitCode::diverged : ExitCode::done);

@@ -151,6 +151,8 @@ ExecutionRecord load_execution(const std::string& path) {
   record.frames = document.at("frames").get<int>();
   record.achieved = achieved_from(document);
   record.stillness = stillness_from(document);
+  for (const Json& row : document.value("torn", Json::array()))
+    record.torn.push_back({row.at("row").get<std::string>(), row.value("from", ""), row.at("share").get<double>()});
   record.particles = document.value("particles", 0L);
   record.grid = document.value("grid", Json::object());
   record.precision = document.value("precision", "float");
@@ -208,6 +210,11 @@ void save_execution(const std::string& path, const ExecutionRecord& record, cons
   if (record.stillness) {
     json["stillness"] = {
         {"rows", record.stillness->rows}, {"drift", record.stillness->drift}, {"share", record.stillness->share}};
+  }
+  for (const TornRow& row : record.torn) {
+    Json& torn = json["torn"].emplace_back(Json{{"row", row.key}});
+    if (!row.from.empty()) torn["from"] = row.from;
+    torn["share"] = row.share;
   }
   json["particles"] = record.particles;
   json["grid"] = record.grid;

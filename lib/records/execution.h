@@ -63,6 +63,12 @@ struct Stillness {
   double share = 0;               // 1: none; 0: a tenth of the scene's longest side or more
 };
 
+// A row whose particles have lost neighbours that they had at rest: of their own row, or of another one.
+struct TornRow {
+  std::string key, from;  // from: the other row's, empty: within the row
+  double share = 0;       // of these bonds that are broken, 0..1
+};
+
 struct ExecutionRecord {
   std::string candidate;
   int exit = 0, signal = 0;  // how the process ended
@@ -92,6 +98,7 @@ struct ExecutionRecord {
   int frames = 0;
   std::vector<AchievedAction> achieved;  // one per action of the schedule, in its order
   std::optional<Stillness> stillness;    // none: no row was to stand still
+  std::vector<TornRow> torn;             // at the last frame
   long particles = 0;
   Json grid = Json::object();
   std::string precision = "float";
