@@ -13,7 +13,7 @@ namespace physmas::bind {
 
 // From this share of the bonds within a row on it is torn: less is the fringe of a sparse capture. From that of those
 // between two rows on, one comes off the other: what merely slides keeps most.
-constexpr double kTornShare = 0.05, kOffShare = 0.5;
+constexpr double kTornShare = 0.05, kOffShare = 0.2;
 
 // x: [N] positions at the last frame, m. A bond is a particle and one of its six nearest of the same object at rest
 // within a cell and a half, where neither of them is of Sand or Snow, which part by nature. It is broken when both are
