@@ -158,7 +158,8 @@ TEST_CASE("plan: what is told one after the other fits into the run") {
 }
 
 TEST_CASE("plan: a prompt that asks for no motion is a plan of its own") {
-  for (const char* prompt : {"the toy does not move", "the toy stands still", "it stays where it is"})
+  for (const char* prompt :
+       {"the toy does not move", "the toy stands still", "it stays where it is", "nothing happens"})
     CHECK(understand(prompt).plan.still);
   for (const char* prompt : {"the toy falls", "push the toy", "the toy bounces", "a quiet scene"})
     CHECK_FALSE(understand(prompt).plan.still);
