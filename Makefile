@@ -3,6 +3,7 @@
 # One non-recursive makefile. Objects go to build/ (build/san with SAN=1); the DAG of a run is
 # pipelines/physmas.mk. Local settings may be put into Makefile.local, which git ignores.
 
+include pipelines/literal.mk
 -include Makefile.local
 
 SHELL := /bin/bash
@@ -65,7 +66,6 @@ BIN := $(BUILD)/bin
 TOGETHER ?= 6
 ALONE := $(KERNELS) $(addprefix lib/,base/command_line.cpp records/validator.cpp splat/sh_rotation.cpp)
 JSON_SOURCES := $(shell grep -rlE '^.include "records/(json|((json|run)_)?fields)\.h"' --include=*.cpp lib tools tests)
-empty :=
 rest := $(shell echo $$(($(TOGETHER) + 1)))
 # $(call joined,NAMES): one word for each TOGETHER of them.
 joined = $(if $(1),$(subst $(empty) $(empty),+,$(wordlist 1,$(TOGETHER),$(1))) $(call joined,$(wordlist $(rest),999,$(1))))
@@ -378,9 +378,12 @@ schemas: $(BUILD)/test/write_schemas ## Write the schemas that stem from lists o
 
 # --- Housekeeping -------------------------------------------------------------------------------------------------
 
+# What is made in a folder of builds; it may hold other things.
+MADE := bin obj gen precompiled test bench share libphysmas.a libphysmas-eval.a manifest
 .PHONY: clean format help
-clean: ## Remove build/ (runs/ stays)
-	rm -rf build
+clean: ## Remove build/, or BUILD (runs/ stays)
+	rm -rf -- $(if $(filter build,$(BUILD)),build,$(MADE:%=$(BUILD)/%))
+	$(Q)[ ! -d $(BUILD) ] || rmdir --ignore-fail-on-non-empty -- $(BUILD)
 
 format: ## Format the sources with clang-format
 	clang-format -i $(shell git ls-files "*.h" "*.cpp")

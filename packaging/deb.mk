@@ -1,6 +1,7 @@
 # `make deb`: a Debian package of a build for any processor (ARCH=baseline, in a folder of its own). Included by the Makefile.
 
 MAINTAINER ?= The PhysMAS authors <authors@physmas.invalid>
+$(call given_to_tools,MAINTAINER)
 BASELINE := build/baseline
 DEB = build/physmas_$(VERSION)_$(shell dpkg --print-architecture).deb
 
@@ -13,7 +14,7 @@ deb: baseline ## Make build/physmas_VERSION_ARCH.deb, which runs on any processo
 	@rm -rf $(BASELINE)/deb
 	@export SOURCE_DATE_EPOCH=$${SOURCE_DATE_EPOCH:-$$(git log -1 --format=%ct 2>/dev/null || stat -c %Y Makefile)}; \
 	$(MAKE) --no-print-directory ARCH=baseline SAN=0 BUILD=$(BASELINE) install DESTDIR=$(BASELINE)/deb PREFIX=/usr && \
-	packaging/make-deb.sh $(BASELINE)/deb $(VERSION) "$(MAINTAINER)" $(DEB)
+	packaging/make-deb.sh $(BASELINE)/deb $(VERSION) "$$PM_ASKED_MAINTAINER" $(DEB)
 
 deb-check: deb ## Install the package into an empty Debian and run it there (as root, needs mmdebstrap and the network)
 	@packaging/check-deb.sh $(DEB) tests/data/tiny.json $(BASELINE)/root

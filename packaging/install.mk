@@ -8,6 +8,7 @@
 # share/doc/physmas/
 
 PREFIX ?= /usr/local
+$(call given_to_tools,DESTDIR PREFIX)
 SHARE := $(BUILD)/share
 MAN_PAGES := $(TOOLS:%=$(SHARE)/man/man1/%.1)
 COMPLETIONS := $(TOOLS:%=$(SHARE)/bash-completion/completions/%)
@@ -40,14 +41,14 @@ INSTALLED := $(foreach t,$(TOOLS),$(BIN)/$(t)=bin/$(t)) \
 
 .PHONY: install uninstall
 install: all man completions ## Install tools, man pages, completion, pipelines, schemas, examples and docs into PREFIX=/usr/local
-	@root=$(DESTDIR)$(PREFIX); \
+	@root=$$PM_ASKED_DESTDIR$$PM_ASKED_PREFIX; \
 	if [ -e "$$root/share/physmas/manifest" ]; then packaging/uninstall.sh "$$root" || exit; fi; \
 	{ for pair in $(INSTALLED); do \
 	    from=$${pair%%=*} to=$${pair#*=}; \
 	    if [ -x "$$from" ]; then mode=755; else mode=644; fi; \
-	    install -D -m $$mode "$$from" "$$root/$$to" && echo "$$to" || exit; \
+	    install -D -m $$mode -- "$$from" "$$root/$$to" && echo "$$to" || exit; \
 	  done && echo share/physmas/manifest; } >$(BUILD)/manifest && \
-	install -m 644 $(BUILD)/manifest "$$root/share/physmas/manifest" && echo "Installed below $$root"
+	install -m 644 -- $(BUILD)/manifest "$$root/share/physmas/manifest" && echo "Installed below $$root"
 
 uninstall: ## Take away what make install put into PREFIX
-	@packaging/uninstall.sh $(DESTDIR)$(PREFIX)
+	@packaging/uninstall.sh "$$PM_ASKED_DESTDIR$$PM_ASKED_PREFIX"

@@ -12,9 +12,10 @@
 
 BATCH ?= runs/batch
 BATCH_LIST := $(BATCH)/scenes.list
-BATCH_NAMES := $(shell EXAMPLES=$(EXAMPLES) bash $(PIPELINES)batch-scenes.sh $(if $(DRY),/dev/null,$(BATCH_LIST)) $(SCENES))
+BATCH_NAMES := $(shell EXAMPLES=$(EXAMPLES) bash $(PIPELINES)batch-scenes.sh $(if $(DRY),/dev/null,$(BATCH_LIST)) $(call quoted,$(SCENES)) \
+  $(call quoted,$(RUN_VARIABLES)) 2>&1)
 ifneq ($(.SHELLSTATUS),0)
-  $(error make batch needs SCENES="name scene.json file.ply ..." or SCENES=list.txt, every run with a name of its own)
+  $(error $(BATCH_NAMES))
 endif
 
 .PHONY: batch-finished $(BATCH_NAMES:%=batch-scene-%)
@@ -23,7 +24,7 @@ ifeq ($(DRY),)
 # The recipe does not fail: what went wrong is the scene's row of the table.
 $(BATCH_NAMES:%=batch-scene-%): batch-scene-%: | $(call built,$(RUN_TOOLS))
 	+@mkdir -p $(BATCH)/$*; start=$$(date +%s%N); \
-	mapfile -t arguments < <(awk -F '\t' -v name=$* '$$1 == name' $(BATCH_LIST) | cut -f 2- | tr '\t' '\n'); \
+	mapfile -t arguments < <(while IFS= read -r line; do [ "$${line%%$$'\t'*}" != $* ] || printf '%s\n' "$${line#*$$'\t'}"; done <$(BATCH_LIST) | tr '\t' '\n'); \
 	status=0; $(MAKE) $(SAME_MAKE) --no-print-directory run "$${arguments[@]}" RUN=$(BATCH)/$* SCENES= BATCH= \
 	  >$(BATCH)/$*/log.txt 2>&1 </dev/null || status=$$?; \
 	echo "$$status $$(( ($$(date +%s%N) - start) / 1000000 ))" | awk '{ printf "%d %.3f\n", $$1, $$2 / 1000 }' >$(BATCH)/$*/batch.status; \

@@ -4,7 +4,7 @@
 # --- Names that make cannot hold ----------------------------------------------------------------------------------
 
 # "my scans/Stuhl (1).ply" is no word for make. A link in RUN/inputs stands for it where make asks how old a file is; tools
-# get the name itself (`option` in variables.mk).
+# get the name itself (`option` in literal.mk).
 # $(call in_make,VARIABLE): what the variable names, as make can hold it; nothing where it names nothing.
 in_make = $(if $(call file_named,$(1)),$(if $(call is_plain,$(value $(1))),$(value $(1)),$(RUN)/inputs/$(1)))
 NAMED := $(filter-out SCENE BASE,$(FILE_VARIABLES) $(FOLDER_VARIABLES) $(EITHER_VARIABLES))
@@ -15,6 +15,7 @@ scene_folder := $(patsubst %/,%,$(dir $(scene_words)))
 BUNDLE := $(if $(SCENE),$(if $(call is_plain,$(SCENE)),$(scene_folder),$(RUN)/inputs/SCENE),$(RUN)/bundle)
 SCENE_FILE := $(BUNDLE)/$(if $(SCENE),$(notdir $(scene_words)),scene.json)
 LINKS := $(filter $(RUN)/inputs/%,$(BUNDLE) $(foreach v,$(NAMED),$(in_make_$(v))))
+export PM_SCENE_FILE := $(subst $(blank),$(space),$(SCENE_FILE))
 linked_to = $(call whole_name,$(if $(filter %/SCENE,$(1)),$(subst $(blank),$(space),$(scene_folder)),$(value $(notdir $(1)))))
 
 # --- Whose run this is --------------------------------------------------------------------------------------------
@@ -49,40 +50,50 @@ ifeq ($(SCENE),)
   $(eval $(call remember,$(RUN)/request,$(REQUEST)))
 endif
 $(eval $(call remember,$(RUN)/changes,$(foreach v,PROMPT SPEC,$(v)=$(if $(GAUSSIANS),,$(value $(v)))$(newline))))
-# A folder of the user's is remembered by what lies in it.
-list_of = $(shell cd $(call quoted,$(value $(1))) && find -L . -type f -printf '%P %s %T@\n' | LC_ALL=C sort | sha256sum)
-FOLDERS := $(foreach v,MASKS VIEWS,$(if $(value $(v)),$(RUN)/inputs/$(v).list))
+# A folder of the user's is remembered by what lies in it: its files may have names that make cannot hold. Recorded exchanges are
+# such a folder, and so is a bundle that lies somewhere; a run may lie in it.
+folder_of_MASKS = $(MASKS)
+folder_of_VIEWS = $(VIEWS)
+$(foreach v,$(REPLAYABLE),$(eval folder_of_$(v) = $$(call replay_folder,$(v))))
+folder_of_SCENE = $(BUNDLE)
+run_inside = $(patsubst $(abspath $(BUNDLE))/%,./%/*,$(filter $(abspath $(BUNDLE))/%,$(abspath $(RUN))))
+list_of = $(shell cd -- $(call quoted,$(call whole_name,$(folder_of_$(1)))) >/dev/null && \
+  find -L . $(if $(filter SCENE,$(1)),-maxdepth 3 $(foreach f,$(run_inside),-not -path '$(f)')) -type f -printf '%P %s %T@\n' | LC_ALL=C sort | sha256sum)
+list_file = $(if $(folder_of_$(1)),$(RUN)/inputs/$(1).list)
+$(foreach v,$(REPLAYABLE),$(eval REPLAYED_$(v) := $$(call list_file,$(v))))
+FOLDERS := $(foreach v,MASKS VIEWS,$(call list_file,$(v)))
+LISTS := $(FOLDERS) $(foreach v,$(REPLAYABLE),$(REPLAYED_$(v))) $(if $(SCENE),$(RUN)/inputs/SCENE.list)
 ifeq ($(PHASE),0)
-  $(foreach l,$(FOLDERS),$(eval $(call remember,$(l),$(call list_of,$(basename $(notdir $(l)))))))
+  $(foreach l,$(LISTS),$(eval $(call remember,$(l),$(call list_of,$(basename $(notdir $(l)))))))
 else
-  $(FOLDERS): ;
+  $(LISTS): ;
 endif
 
 # --- The bundle ---------------------------------------------------------------------------------------------------
 
 ifeq ($(SCENE),)
-BUNDLE_FILES := $(sort $(BUNDLE)/scene.json $(wildcard $(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.*))
+BUNDLE_FILES := $(sort $(BUNDLE)/scene.json $(call held,$(wildcard $(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.*)))
 
 ifneq ($(EXAMPLE),)
-$(STAMPS)/bundle: $(EXAMPLES)$(EXAMPLE).json $(RUN)/request $(call missing,$(BUNDLE)/scene.json) | $(call built,pm-scene)
+$(STAMPS)/bundle: $(EXAMPLES)$(EXAMPLE).json $(RUN)/request $(call missing,$(BUNDLE)/scene.json) $(call promised,bundle) | $(call built,pm-scene)
 	$(call stage,synth,$(BUNDLE))
 	@$(call job,$(@F),$(threads),$(job_inputs),$(BUNDLE)/scene.json,$@.log) \
 	$(BIN)/pm-scene synth $< --out $(BUNDLE) --threads $(threads)
-	$(finish)
+	$(call finish,$(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.* $(BUNDLE)/*/*/*/*.*)
 else
 $(STAMPS)/bundle: $(foreach v,GAUSSIANS SPEC INVENTORY PHYSGAUSSIAN CAMERAS DATAPARSER,$(in_make_$(v))) $(FOLDERS) $(RUN)/request \
-                  $(call missing,$(BUNDLE)/scene.json) | $(call built,pm-scene)
+                  $(call missing,$(BUNDLE)/scene.json) $(call promised,bundle) | $(call built,pm-scene)
 	$(call stage,import,$(BUNDLE))
-	@$(call job,$(@F),$(threads),$(job_inputs) $(in_make_MASKS) $(in_make_VIEWS),$(BUNDLE)/scene.json,$@.log) \
-	$(BIN)/pm-scene import "$$PM_ASKED_GAUSSIANS" --prompt "$$PM_ASKED_PROMPT" --out $(BUNDLE) \
-	  $(call option,--up=,UP) $(call option,--front=,FRONT) $(call option,--inventory ,INVENTORY) $(call option,--masks ,MASKS) \
-	  $(call option,--views ,VIEWS) $(call option,--cameras ,CAMERAS) $(call option,--dataparser-transforms ,DATAPARSER) \
-	  $(call option,--run ,SPEC) $(call option,--physgaussian ,PHYSGAUSSIAN) $(call option,--opacity-threshold ,OPACITY) \
-	  $(if $(CROP),--crop $$PM_ASKED_CROP) $(call option,--drop ,DROP) $(call option,--azimuth ,AZIMUTH) \
-	  $(call option,--elevation ,ELEVATION) --threads $(threads)
-	$(finish)
+	@set -f; $(call job,$(@F),$(threads),$(job_inputs) $(in_make_MASKS) $(in_make_VIEWS),$(BUNDLE)/scene.json,$@.log) \
+	$(BIN)/pm-scene import --prompt="$$PM_ASKED_PROMPT" --out $(BUNDLE) \
+	  $(call option,--up=,UP) $(call option,--front=,FRONT) $(call option,--inventory=,INVENTORY) $(call option,--masks=,MASKS) \
+	  $(call option,--views=,VIEWS) $(call option,--cameras=,CAMERAS) $(call option,--dataparser-transforms=,DATAPARSER) \
+	  $(call option,--run=,SPEC) $(call option,--physgaussian=,PHYSGAUSSIAN) $(call option,--opacity-threshold=,OPACITY) \
+	  $(if $(CROP),--crop $$PM_ASKED_CROP) $(call option,--drop=,DROP) $(call option,--azimuth=,AZIMUTH) \
+	  $(call option,--elevation=,ELEVATION) --threads $(threads) -- "$$PM_ASKED_GAUSSIANS"
+	$(call finish,$(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.* $(BUNDLE)/*/*/*/*.*)
 endif
 $(BUNDLE_FILES): $(STAMPS)/bundle ;
 else
-BUNDLE_FILES := $(sort $(SCENE_FILE) $(wildcard $(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.*))
+BUNDLE_FILES := $(RUN)/inputs/SCENE.list
 endif

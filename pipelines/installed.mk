@@ -17,6 +17,11 @@ ifeq ($(THIS_FILE),)
   $(error $(MAKEFILE_LIST): GNU Make cannot work with a folder whose name has spaces)
 endif
 
+include $(firstword $(wildcard $(addprefix $(dir $(THIS_FILE)),literal.mk pipelines/literal.mk)))
+ifeq ($(call is_plain,$(THIS_FILE)),)
+  $(error $(call said,$(THIS_FILE)): GNU Make cannot work with a folder whose name has one of $(strip $(special)))
+endif
+
 # BIN=folder, else the tools of the same tree or prefix, else those on PATH.
 BIN := $(abspath $(dir $(firstword $(wildcard $(patsubst %,$(dir $(THIS_FILE))%/pm-scene,../build/bin ../../bin)) \
          $(shell command -v pm-scene 2>/dev/null))))

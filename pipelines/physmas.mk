@@ -27,10 +27,10 @@
 #    unchanged artifact its timestamp, so a stage that reran without effect stops there. A missing artifact makes its
 #    stage run again (see `missing`).
 #
-# 2. Which candidates a round has, and whether there is another round, is known only after a stage has run. Those
-#    facts are makefiles that the tools write (candidates/roundN.mk, screen/roundN.mk). GNU Make brings them up to date
-#    and reads itself again, one fact at a time: the number of restarts says which of them can be trusted. It is one
-#    graph; no make calls another.
+# 2. Which candidates a round has, and whether there is another round, is known only after a stage has run. The tools
+#    write those facts as a line each (candidates/roundN.mk, screen/roundN.mk). GNU Make brings them up to date and reads
+#    itself again, one fact at a time: the number of restarts says which of them can be trusted. It is one graph; no make
+#    calls another. What lies in a run's folder is data: make reads the lines (`fact`) and includes none of it.
 
 STAMPS := $(RUN)/.stamps
 PHASE := $(if $(MAKE_RESTARTS),$(MAKE_RESTARTS),0)
@@ -42,7 +42,10 @@ threads = $(call job_threads,$(@F))
 missing = $(if $(filter-out $(wildcard $(1)),$(1)),FORCE)
 # $(call stage,NAME,WHAT): announce a stage, and note that this run did something.
 stage = @mkdir -p $(STAMPS) && touch $(STAMPS)/work && printf '  %-10s %s\n' '$(1)' '$(2)'
-finish = @touch $@
+# $(call finish,WORDS): the end of a stage. WORDS are the shell's, and name what the stage may have made beside the files that its
+# rule names: those that are there are listed beside its stamp, and `promised` asks for them in the next run.
+finish = @shopt -s nullglob; for f in $(1); do [ ! -f "$$f" ] || printf '%s\n' "$${f\#$(RUN)/}"; done >$@.files; touch $@
+promised = $(call missing,$(addprefix $(RUN)/,$(call held,$(file <$(STAMPS)/$(1).files))))
 
 .PHONY: FORCE
 FORCE:
@@ -50,7 +53,8 @@ FORCE:
 # --- What was asked for: rewritten only when it changes -----------------------------------------------------------
 
 DEFAULTS ?= render.camera=fit render.floor=shadow contact.objects=separate
-SETTINGS := $(value SET) $(CAMERA:%=render.camera=%) $(DEFAULTS:%=default %)
+$(call given_to_tools,DEFAULTS)
+SETTINGS := $(SET) $(CAMERA:%=render.camera=%) $(DEFAULTS:%=default %)
 GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL) $(call given,MATERIAL),$(v)=$(value $(v))$(newline))
 MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))
 include $(PIPELINES)inputs.mk
@@ -61,14 +65,16 @@ $(eval $(call remember,$(RUN)/models,$(MODELS)))
 # --- The run specification, one slice per stage -------------------------------------------------------------------
 
 SLICES := $(foreach s,ground lift material candidates simulate render screen,$(RUN)/spec/$(s).json)
+# Settings are words: each is one argument, whatever it holds.
 $(STAMPS)/spec: $(BUNDLE_FILES) $(RUN)/settings $(RUN)/changes $(if $(GAUSSIANS),,$(in_make_SPEC)) \
-                $(call missing,$(SLICES)) | $(call built,pm-scene)
+                $(call missing,$(SLICES)) $(call promised,spec) | $(call built,pm-scene)
 	$(call stage,spec,$(RUN)/spec)
-	@$(call job,$(@F),1,$(job_inputs),$(SLICES),$@.log) \
-	$(BIN)/pm-scene slice --scene $(SCENE_FILE) --out $(RUN)/spec $(foreach s,$(SET) $(CAMERA:%=render.camera=%),--set '$(s)') \
-	  $(foreach s,$(DEFAULTS),--default '$(s)') \
-	  $(if $(GAUSSIANS),,$(call option,--prompt ,PROMPT) $(call option,--overrides ,SPEC))
-	$(finish)
+	@set -f; settings=(); for s in $$PM_ASKED_SET $(if $(CAMERA),"render.camera=$$PM_ASKED_CAMERA"); do settings+=("--set=$$s"); done; \
+	for s in $$PM_ASKED_DEFAULTS; do settings+=("--default=$$s"); done; \
+	$(call job,$(@F),1,$(job_inputs) $(BUNDLE),$(SLICES),$@.log) \
+	$(BIN)/pm-scene slice --scene "$$PM_SCENE_FILE" --out $(RUN)/spec "$${settings[@]}" \
+	  $(if $(GAUSSIANS),,$(call option,--prompt=,PROMPT) $(call option,--overrides=,SPEC))
+	$(call finish,$(RUN)/spec/camera.mk)
 $(SLICES): $(STAMPS)/spec ;
 
 # $(call or_base,INPUTS,OUTPUTS): in front of a command that makes OUTPUTS from INPUTS, files of this run: not computed where
@@ -79,17 +85,15 @@ or_base = $(if $(BASE),( $(foreach f,$(1),cmp -s $(RUN)/$(f) $(BASE)/$(f) &&) \
 
 # --- Scene agent, lifting, material agent -------------------------------------------------------------------------
 
-# Recorded exchanges and files of records are inputs, as a server is not.
-replayed = $(wildcard $(patsubst replay:%,%/*.json,$(filter replay:%,$(1))))
 GROUNDED := $(RUN)/inventory.json $(RUN)/plan.json $(RUN)/masks.h5
-$(STAMPS)/ground: $(RUN)/spec/ground.json $(RUN)/ground-models $(call replayed,$(SCENE_AGENT)) $(call replayed,$(PERCEPTION)) \
-                  $(call missing,$(GROUNDED)) | $(call built,pm-ground)
+$(STAMPS)/ground: $(RUN)/spec/ground.json $(RUN)/ground-models $(REPLAYED_SCENE_AGENT) $(REPLAYED_PERCEPTION) \
+                  $(call missing,$(GROUNDED)) $(call promised,ground) | $(call built,pm-ground)
 	$(call stage,ground,$(RUN)/inventory.json)
 	@$(call or_base,spec/ground.json ground-models,inventory.json plan.json masks.h5) \
 	$(call job,$(@F),$(threads),$(job_inputs),$(GROUNDED),$@.log) \
-	$(BIN)/pm-ground --scene $< --out $(RUN) $(call option,--agent ,SCENE_AGENT) $(if $(SCENE_AGENT),$(call option,--model ,MODEL)) \
-	  $(call option,--perception ,PERCEPTION) $(call option,--material ,MATERIAL) --threads $(threads)
-	$(finish)
+	$(BIN)/pm-ground --scene $< --out $(RUN) $(call option,--agent=,SCENE_AGENT) $(if $(SCENE_AGENT),$(call option,--model=,MODEL)) \
+	  $(call option,--perception=,PERCEPTION) $(call option,--material=,MATERIAL) --threads $(threads)
+	$(call finish,$(if $(call given,SCENE_AGENT PERCEPTION),$(RUN)/exchanges/{ground,detector,segmenter}_*.json $(RUN)/exchanges/*.png))
 $(GROUNDED): $(STAMPS)/ground ;
 
 $(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(call missing,$(RUN)/state.h5) | $(call built,pm-lift)
@@ -100,16 +104,16 @@ $(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(ca
 	$(finish)
 $(RUN)/state.h5: $(STAMPS)/lift ;
 
-MATERIAL_INPUTS := $(call replayed,$(AGENT)) $(call replayed,$(PREDICTOR)) $(in_make_AUTHORED) $(in_make_PREDICTOR)
+MATERIAL_INPUTS := $(REPLAYED_AGENT) $(REPLAYED_PREDICTOR) $(in_make_AUTHORED) $(in_make_PREDICTOR)
 $(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks.h5 $(RUN)/state.h5 $(RUN)/models \
-                    $(MATERIAL_INPUTS) $(call missing,$(RUN)/evidence.json) | $(call built,pm-material)
+                    $(MATERIAL_INPUTS) $(call missing,$(RUN)/evidence.json) $(call promised,material) | $(call built,pm-material)
 	$(call stage,material,$(RUN)/evidence.json)
 	@$(if $(MATERIAL_INPUTS),,$(call or_base,spec/material.json inventory.json masks.h5 state.h5 models,evidence.json)) \
 	$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/evidence.json,$@.log) \
 	$(BIN)/pm-material --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --state $(RUN)/state.h5 \
-	  --out $(RUN)/evidence.json $(call option,--agent ,AGENT) $(if $(AGENT),$(call option,--model ,MODEL)) \
-	  $(call option,--predictor ,PREDICTOR) $(call option,--authored ,AUTHORED) --threads $(threads)
-	$(finish)
+	  --out $(RUN)/evidence.json $(call option,--agent=,AGENT) $(if $(AGENT),$(call option,--model=,MODEL)) \
+	  $(call option,--predictor=,PREDICTOR) $(call option,--authored=,AUTHORED) --threads $(threads)
+	$(call finish,$(if $(call given,AGENT PREDICTOR),$(RUN)/exchanges/{material,predictor}_*.json $(RUN)/exchanges/*.png))
 $(RUN)/evidence.json: $(STAMPS)/material ;
 
 # --- Candidates of a round, and what is done with each ------------------------------------------------------------
@@ -159,12 +163,12 @@ $(STAMPS)/simulate-$(1): $(RUN)/spec/simulate.json $(RUN)/state.h5 $(RUN)/candid
 	$$(finish)
 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json: $(STAMPS)/simulate-$(1) ;
 $(STAMPS)/render-$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json $(2) \
-    $(call missing,$(RUN)/videos/$(1).json) | $(call built,pm-render)
+    $(call missing,$(RUN)/videos/$(1).json) $(call promised,render-$(1)) | $(call built,pm-render)
 	$$(call stage,render,$$(RUN)/videos/$(1).mp4)
 	@PM_CANDIDATE=$(3) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/videos/$(1).json,$$@.log) \
 	$(BIN)/pm-render --scene $$< --state $(RUN)/state.h5 --rollout $(RUN)/rollouts/$(1).h5 \
 	  --out $(RUN)/videos/$(1).mp4 --sheet $(RUN)/videos/$(1).png --candidate $(RUN)/candidates/$(1).json $(2:%=--cameras %) --threads $$(threads)
-	$$(finish)
+	$$(call finish,$$(RUN)/videos/$(1).mp4 $$(RUN)/videos/$(1).png)
 $(RUN)/videos/$(1).json: $(STAMPS)/render-$(1) ;
 endef
 
@@ -173,7 +177,7 @@ endef
 define screen_rules
 $(STAMPS)/screen$(1): $(RUN)/spec/screen.json $(RUN)/plan.json $(RUN)/evidence.json $(RUN)/inventory.json \
     $(3:%=$(RUN)/candidates/round%.json) $(2:%=$(RUN)/candidates/%.json) $(2:%=$(RUN)/rollouts/%.json) $(2:%=$(RUN)/videos/%.json) \
-    $(call missing,$(RUN)/screen/round$(1).json $(RUN)/screen/round$(1).mk) | $(call built,pm-screen)
+    $(call missing,$(RUN)/screen/round$(1).json $(RUN)/screen/round$(1).mk $(if $(filter accept,$(PM_DECISION$(1))),$(RUN)/accepted.json $(RUN)/final.mp4)) | $(call built,pm-screen)
 	$$(call stage,screen,$$(RUN)/screen/round$(1).json)
 	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/screen/round$(1).json $$(RUN)/screen/round$(1).mk,$$@.log) \
 	$(BIN)/pm-screen --scene $$< --plan $(RUN)/plan.json --evidence $(RUN)/evidence.json \
@@ -197,22 +201,30 @@ FACTS := $(foreach n,0 1 2,candidates/round$(n).mk screen/round$(n).mk)
 KNOWN := $(wordlist 1,$(PHASE),$(FACTS))
 known = $(addprefix $(RUN)/,$(filter $(1),$(KNOWN)))
 # Whether the camera is fitted is known with the first of them.
-PM_CAMERA :=
--include $(if $(KNOWN),$(wildcard $(RUN)/spec/camera.mk))
+# $(eval $(call fact,VARIABLE,FILE)): the words behind "VARIABLE :=", the one line that a tool wrote into FILE.
+define fact
+fact_words := $$(if $(2),$$(file <$(2)))
+ifneq ($$(strip $$(foreach w,$$(wordlist 3,999,$$(fact_words)),$$(if $$(call is_plain,$$(w)),,bad))$$(if $(2),$$(filter-out $(1) :=,$$(wordlist 1,2,$$(fact_words))))),)
+  $$(error $(2): found "$$(call said,$$(fact_words))", expected $(1) := names; remove it, and it is made again)
+endif
+$(1) := $$(wordlist 3,999,$$(fact_words))
+endef
+$(eval $(call fact,PM_CAMERA,$(if $(KNOWN),$(wildcard $(RUN)/spec/camera.mk))))
+PM_CAMERA := $(filter fit orbit,$(PM_CAMERA))
 
 # $(call round_rules,N): round N, after those in ROUNDS, as far as it is known.
 define round_rules
 PREVIOUS := $(LAST_ROUND)
 LAST_ROUND := $(1)
 ROUNDS += $(1)
--include $$(call known,candidates/round$(1).mk)
+$$(eval $$(call fact,PM_ROUND$(1),$$(call known,candidates/round$(1).mk)))
 IDS += $$(PM_ROUND$(1))
 $$(eval $$(call candidates_rules,$(1),$$(PREVIOUS)))
 COUNTED :=
 $$(foreach id,$$(PM_ROUND$(1)),$$(eval COUNTED += $$(id))$$(eval $$(call candidate_rules,$$(id),$$(PM_CAMERA:%=$$(RUN)/cameras/round$(1).json),$$(words $$(COUNTED))/$$(words $$(PM_ROUND$(1))))))
 $$(if $$(and $$(PM_CAMERA),$$(PM_ROUND$(1))),$$(eval $$(call camera_rules,$(1),$$(PREVIOUS),$$(PM_ROUND$(1))))$$(eval BEST_CAMERAS := $$(RUN)/cameras/round$(1).json))
+$$(eval $$(call fact,PM_DECISION$(1),$$(call known,screen/round$(1).mk)))
 $$(eval $$(call screen_rules,$(1),$$(IDS),$$(ROUNDS)))
-include $$(call known,screen/round$(1).mk)
 endef
 ROUNDS :=
 IDS :=
@@ -234,8 +246,8 @@ ifneq ($(NEXT),)
   # All tools are built before the first restart: later readings skip the header dependencies.
   PHASE_FILE := $(STAMPS)/phase$(words $(KNOWN) $(NEXT)).mk
   $(PHASE_FILE): $(RUN)/$(NEXT) | $(call built,$(RUN_TOOLS))
-  # Where a stage fails, make shall not also say that this file is not there.
-  $(if $(wildcard $(PHASE_FILE)),,$(file >$(PHASE_FILE),))
+  # Empty, whatever lay there. Where a stage fails, make shall not also say that this file is not there.
+  $(file >$(PHASE_FILE),)
   include $(PHASE_FILE)
 endif
 

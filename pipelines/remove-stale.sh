@@ -6,7 +6,8 @@
 set -eu
 run=$1 round=$2 stage=$3
 ids=$run/.stamps/ids
-ids_of() { sed -n 's/^PM_ROUND[0-9] *:= *//p' "$@" | tr ' ' '\n' | sed '/^$/d'; }
+# What is no id names no file of a run.
+ids_of() { sed -n 's/^PM_ROUND[0-9] *:= *//p' "$@" | tr ' ' '\n' | grep -xE '[a-z0-9-]+' || true; }
 
 later=
 if [ "$stage" = screen ]; then
@@ -22,7 +23,7 @@ if [ -n "$later" ]; then
 fi
 
 touch "$ids"
-mapfile -t former <"$ids"
+mapfile -t former < <(grep -xE '[a-z0-9-]+' "$ids" || true)
 ids_of "$run"/candidates/round?.mk | sort -u >"$ids.new"
 for id in "${former[@]}"; do
   if ! grep -qxF -- "$id" "$ids.new"; then

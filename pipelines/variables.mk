@@ -2,42 +2,25 @@
 # knows, that another excludes, or whose file is not there ends make in one line, before a folder is made. Included by
 # runs.mk, which gives EXAMPLES and PIPELINES.
 
-# Where a scene comes from: one of these.
-SOURCE_VARIABLES := EXAMPLE GAUSSIANS SCENE
-# How a file of Gaussians is imported: examples and bundles have what these say.
-IMPORT_VARIABLES := UP FRONT INVENTORY MASKS VIEWS CAMERAS DATAPARSER PHYSGAUSSIAN OPACITY CROP DROP AZIMUTH ELEVATION
-# What is done with any scene.
-SCENE_VARIABLES := PROMPT MATERIAL SPEC SET CAMERA DEFAULTS SCENE_AGENT PERCEPTION AGENT MODEL PREDICTOR AUTHORED BASE
 # Those that name a file, a folder, or either.
 FILE_VARIABLES := SCENE SPEC INVENTORY DATAPARSER PHYSGAUSSIAN AUTHORED PREDICTOR
 FOLDER_VARIABLES := MASKS VIEWS BASE
 EITHER_VARIABLES := GAUSSIANS CAMERAS
-# An executor's own (EXECUTOR_VARIABLES, executors/local.mk), the shell's, and those that the build has.
-CALL_VARIABLES := THREADS EXECUTOR BIN SHELL $(EXECUTOR_VARIABLES) $(BUILD_VARIABLES)
+# An executor's own (EXECUTOR_VARIABLES, executors/local.mk), and those that the build has.
+CALL_VARIABLES := THREADS EXECUTOR BIN $(EXECUTOR_VARIABLES) $(BUILD_VARIABLES)
+# What a scene of a batch may have beside its source.
+RUN_VARIABLES := THREADS $(IMPORT_VARIABLES) $(SCENE_VARIABLES)
 KNOWN_VARIABLES := $(CALL_VARIABLES) \
   $(if $(filter run demo,$(MAKECMDGOALS)),RUN $(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) \
   $(if $(filter batch,$(MAKECMDGOALS)),SCENES BATCH $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) \
   $(if $(filter evaluate,$(MAKECMDGOALS)),SUITE CASES EVALUATE)
 
-empty :=
-space := $(empty) $(empty)
-define newline
-
-
-endef
-# $(call quoted,TEXT): one word of the shell.
-quoted = '$(subst ','\'',$(1))'
-# $(call said,TEXT): for a message of one line.
-said = $(subst $(newline),$(space),$(1))
-
 # --- Names --------------------------------------------------------------------------------------------------------
 
-# An empty variable asks for nothing.
-asked := $(strip $(foreach v,$(.VARIABLES),$(if $(filter command,$(origin $(v))),$(if $(value $(v)),$(v)))))
-unknown := $(firstword $(filter-out $(KNOWN_VARIABLES),$(asked)))
+unknown := $(firstword $(filter-out $(KNOWN_VARIABLES),$(ASKED)))
 ifneq ($(unknown),)
-  nearest := $(shell bash $(PIPELINES)nearest-name.sh $(call quoted,$(unknown)) $(sort $(filter-out SHELL,$(KNOWN_VARIABLES))))
-  $(error make $(MAKECMDGOALS) has no variable $(unknown)$(nearest:%=; the nearest is %))
+  nearest := $(shell bash $(PIPELINES)nearest-name.sh $(call quoted,$(unknown)) $(sort $(KNOWN_VARIABLES)))
+  $(error make $(call said,$(MAKECMDGOALS)) has no variable $(unknown)$(nearest:%=; the nearest is %))
 endif
 
 given = $(strip $(foreach v,$(1),$(if $(value $(v)),$(v))))
@@ -71,16 +54,12 @@ endif
 
 # --- What they name -----------------------------------------------------------------------------------------------
 
-# As a user typed it, for tools; through the environment, so that neither make nor the shell reads a prompt or a name.
-$(foreach v,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(filter-out SET,$(SCENE_VARIABLES)),$(eval export PM_ASKED_$(v) := $$(value $(v))))
-# $(call option,FLAG,VARIABLE): the flag, with the space or = that ends it, and its value, where there is one.
-option = $(if $(value $(2)),$(1)"$$PM_ASKED_$(2)")
+$(call given_to_tools,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES))
 
-# What make or a shell reads as something else than part of a name.
-special := : % \# ; = * ? [ ] ( ) | & ' " ` \ ~ < > ! { } $$
-# $(call is_plain,TEXT): TEXT is one word that make can hold as a file's name.
-is_plain = $(and $(filter 1,$(words $(1))),$(if $(findstring $(space),$(1)),,y),$(if $(strip $(foreach c,$(special),$(findstring $(c),$(1)))),,y))
-
+# Who may be recorded: replay:FOLDER.
+REPLAYABLE := SCENE_AGENT PERCEPTION AGENT PREDICTOR
+# $(call replay_folder,VARIABLE): nothing where it names none.
+replay_folder = $(if $(filter replay:%,$(firstword $($(1)))),$(subst $(space)replay:,,$(space)$($(1))))
 # What of PREDICTOR and DATAPARSER is no file.
 file_named = $(if $(filter none replay:% http://% https://%,$(value $(1))),,$(value $(1)))
 # $(call kind_of,NAME): file, folder, or nothing where nothing is there.
@@ -103,6 +82,8 @@ ifneq ($(filter run demo batch,$(MAKECMDGOALS)),)
 ifeq ($(MAKE_RESTARTS),)
   $(foreach v,$(FILE_VARIABLES),$(eval $(call check_name,$(v),file)))
   $(foreach v,$(FOLDER_VARIABLES),$(eval $(call check_name,$(v),folder)))
+  $(foreach v,$(REPLAYABLE),$(if $(call replay_folder,$(v)),$(if $(filter folder,$(call kind_of,$(call replay_folder,$(v)))),, \
+    $(error $(v)=$(call said,$($(v))) is no folder of recorded exchanges))))
   $(foreach v,$(EITHER_VARIABLES),$(eval $(call check_name,$(v),file folder)))
   ifneq ($(EXAMPLE),)
     ifeq ($(and $(call is_plain,$(value EXAMPLE)),$(wildcard $(EXAMPLES)$(EXAMPLE).json)),)
@@ -114,10 +95,8 @@ ifeq ($(MAKE_RESTARTS),)
 endif
 endif
 
-# $(call check_folder,VARIABLE): what make works in must be a name that it can hold.
-check_folder = $(if $(call is_plain,$($(1))),,$(error $(1)=$(call said,$($(1))): GNU Make cannot work in a folder whose name has spaces or one \
-  of $(strip $(special)): give another $(1)))
-$(foreach v,$(call given,RUN BATCH EVALUATE BASE),$(call check_folder,$(v)))
+# What make works in must be a name that it can hold, also where it is made from other names.
+$(foreach v,$(call given,$(WORKING_FOLDERS)),$(if $(call is_plain,$($(v))),,$(error $(v)=$(call said,$($(v))): $(call about_folder,$(v),$($(v))))))
 
 # A file's or folder's whole name, without . and .., also where it has spaces.
 blank := <blank>

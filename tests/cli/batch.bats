@@ -54,13 +54,29 @@ LIST
   [[ $output = *SCENES* ]]
 }
 
+@test "batch: a name is an id, and each run has its own scene's variables" {
+  cd "$BATS_TEST_TMPDIR"
+  mkdir -p scenes x batch
+  for name in a.b axb 1 1.0; do
+    cp -r "$BATS_FILE_TMPDIR/good" "scenes/$name"
+    printf '%s "PROMPT=the lollipop of %s falls"\n' "$PWD/scenes/$name/scene.json" "$name" >>list.txt
+  done
+  run_batch BATCH="$PWD/batch" SCENES="$PWD/list.txt" SET="screening.rounds=1 screening.initial=1 time.frames=2" >log
+  for name in a.b axb 1 1.0; do grep -qF "the lollipop of $name falls" "batch/$name/plan.json" || { echo "$name"; return 1; }; done
+  # Neither a folder above nor a file of the batch's own.
+  names_of() { EXAMPLES=$root/examples/ bash "$root/pipelines/batch-scenes.sh" /dev/null "$1" "PROMPT"; }
+  [ "$(cd scenes && names_of "../x/../scene.json")" = "$(basename "$PWD")" ]
+  [ "$(names_of "x/../../../../../../../../../../../scene.json")" = scene ]
+  [ "$(names_of "x/table.tsv/scene.json ..a../scene.json -r/scene.json")" = "table-tsv a r" ]
+}
+
 @test "batch: files of any ending, and names that are neither an example nor a file" {
   cd "$BATS_TEST_TMPDIR"
   mkdir "my scans"
   touch "my scans/a (1).ply"
   # A dot in a name is a dot.
   printf '%s\n' '"my scans/a (1).ply" PROMPT=one' 'v3.spz PROMPT=two' 'a.b/scene.json PROMPT=three' 'axb.ply PROMPT=four' 'cake PROMPT=five' >list.txt
-  names=$(EXAMPLES=$root/examples/ bash "$root/pipelines/batch-scenes.sh" list list.txt)
+  names=$(EXAMPLES=$root/examples/ bash "$root/pipelines/batch-scenes.sh" list list.txt "PROMPT UP")
   [ "$names" = "a-1 v3 a.b axb cake" ]
   grep -q $'^v3\tGAUSSIANS=v3.spz\tPROMPT=two$' list
   grep -q $'\tGAUSSIANS=my scans/a (1).ply\tPROMPT=one$' list

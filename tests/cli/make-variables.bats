@@ -91,9 +91,9 @@ refuses() {
   grep -q '"prompt": "it melts"' spec/ground.json
   fails_with 3 "$bin/pm-scene" slice --scene bundle/scene.json --prompt "  " --out spec2 -- --prompt blank
   run_make -n run EXAMPLE=cake PROMPT=x SPEC=spec.json >log
-  grep -qF -- '--prompt "$PM_ASKED_PROMPT" --overrides "$PM_ASKED_SPEC"' log
+  grep -qF -- '--prompt="$PM_ASKED_PROMPT" --overrides="$PM_ASKED_SPEC"' log
   run_make -n run EXAMPLE=cake MATERIAL="sponge=Rubber icing=Foam" >log
-  grep -qF -- '--material "$PM_ASKED_MATERIAL"' log
+  grep -qF -- '--material="$PM_ASKED_MATERIAL"' log
 }
 
 @test "make: a file whose name has spaces and accents is run under a name of its own" {
