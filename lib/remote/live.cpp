@@ -58,26 +58,18 @@ std::string text_or_nothing(const std::string& text) {
 LiveBackend::LiveBackend(std::string endpoint, const RemoteOptions& options)
     : endpoint_(std::move(endpoint)), key_(api_key()), options_(options) {
   const Url url = parse_url(endpoint_, "endpoint");
-  if (!key_.empty() && url.scheme == "http" && !url.is_loopback())
+  if (key_.is_in(endpoint_))
+    throw Error(ExitCode::usage, "the URL of a server on " + url.host + " holds PM_API_KEY, expected a URL without it");
+  if (!key_.key().empty() && url.scheme == "http" && !url.is_loopback())
     log_warning("PM_API_KEY travels unencrypted to " + url.host);
-}
-
-std::string LiveBackend::without_key(const std::string& text) const {
-  if (key_.empty()) return text;
-  const std::string shown = "[key]";
-  std::string clean = text;
-  // The key may be a part of what stands for it.
-  for (size_t at = clean.find(key_); at != std::string::npos; at = clean.find(key_, at + shown.size()))
-    clean.replace(at, key_.size(), shown);
-  return clean;
 }
 
 void LiveBackend::wait(double seconds, const std::string& why) {
   if (seconds >= left()) {
     throw provider_error(endpoint_, fmt::format("{}; waiting {:g} s would exceed the budget of {:g} s",
-                                                without_key(why), seconds, options_.budget));
+                                                key_.masked(why), seconds, options_.budget));
   }
-  log_info(fmt::format("{}: {}; trying again in {:g} s", endpoint_, without_key(why), seconds));
+  log_info(fmt::format("{}: {}; trying again in {:g} s", endpoint_, key_.masked(why), seconds));
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
@@ -92,7 +84,7 @@ HttpResult LiveBackend::follow_redirects(HttpRequest request) {
     if (target != origin_of(request.url)) {
       throw provider_error(endpoint_,
                            fmt::format("HTTP {}: a redirect to {} is refused, expected an answer from this host",
-                                       result.status, target.empty() ? "nowhere" : without_key(target)));
+                                       result.status, target.empty() ? "nowhere" : key_.masked(target)));
     }
     // Only 307 and 308 keep method and body.
     if ((result.status != 307 && result.status != 308) || hop == kMaxRedirects) {
@@ -109,17 +101,17 @@ HttpResult LiveBackend::answered(const Request& request, const std::string& body
   http.method = request.method;
   http.url = endpoint_ + request.path;
   http.body = body;
-  http.bearer = key_;
+  http.bearer = key_.key();
   http.reply_limit = request.reply_limit;
   for (int attempt = 0;; ++attempt) {
     const Stopwatch watch;
     HttpResult result = follow_redirects(http);
-    attempts.push_back({{"status", result.status}, {"why", without_key(result.why)}, {"seconds", watch.seconds()}});
+    attempts.push_back({{"status", result.status}, {"why", key_.masked(result.why)}, {"seconds", watch.seconds()}});
     if (!is_worth_retrying(result)) return result;
     const std::string why = result.outcome == Outcome::broken ? result.why : fmt::format("HTTP {}", result.status);
     if (attempt == options_.retries) {
       throw provider_error(
-          endpoint_, fmt::format("{} after {} attempt{}", without_key(why), attempt + 1, attempt == 0 ? "" : "s"));
+          endpoint_, fmt::format("{} after {} attempt{}", key_.masked(why), attempt + 1, attempt == 0 ? "" : "s"));
     }
     wait(std::max(result.retry_after, std::min(kLongestBackoff, options_.backoff * std::exp2(attempt))), why);
   }
@@ -136,16 +128,16 @@ void LiveBackend::check(const Request& request, const HttpResult& result) const 
     case Outcome::too_large:
       throw provider_error(endpoint_, "found a longer reply, expected at most " + size);
     default:
-      throw provider_error(endpoint_, without_key(result.why));
+      throw provider_error(endpoint_, key_.masked(result.why));
   }
   const auto& returned = request.returned_statuses;
   if (!is_success(result.status)) {
     if (std::find(returned.begin(), returned.end(), result.status) != returned.end()) return;
     const char* fix = result.status == 401 || result.status == 403 ? "; is PM_API_KEY set to a valid key?" : "";
     throw provider_error(endpoint_,
-                         fmt::format("HTTP {}: {}{}", result.status, one_line(without_key(result.body), 200), fix));
+                         fmt::format("HTTP {}: {}{}", result.status, one_line(key_.masked(result.body), 200), fix));
   }
-  if (!key_.empty() && result.body.find(key_) != std::string::npos)
+  if (key_.is_in(result.body))
     throw provider_error(endpoint_, "the reply repeats the key; it is not used and not kept");
   if (!request.wants_json) return;
   const std::string& type = result.content_type;
@@ -153,7 +145,7 @@ void LiveBackend::check(const Request& request, const HttpResult& result) const 
                                                    type.compare(type.size() - 5, 5, "+json") == 0);
   if (!json) {
     throw provider_error(endpoint_, fmt::format("found a reply of type \"{}\", expected application/json",
-                                                one_line(without_key(type), 80)));
+                                                one_line(key_.masked(type), 80)));
   }
 }
 
@@ -170,10 +162,10 @@ Reply LiveBackend::exchange(const Request& request) {
     try {
       reply.body = parse_reply(result.body, endpoint_);
     } catch (const Error& e) {
-      throw Error(e.code(), without_key(e.what()));
+      throw Error(e.code(), key_.masked(e.what()));
     }
     // Escapes in the JSON may have hidden it from the look at the raw body.
-    if (!key_.empty() && reply.body.dump().find(key_) != std::string::npos)
+    if (key_.is_in(reply.body.dump()))
       throw provider_error(endpoint_, "the reply repeats the key; it is not used and not kept");
   }
   record.name = request.name;
@@ -182,8 +174,8 @@ Reply LiveBackend::exchange(const Request& request) {
   record.request_body = recorded_body(request);
   for (const Attachment& a : request.attachments) record.attachments.push_back(attachment_file(a));
   record.status = result.status;
-  record.content_type = without_key(text_or_nothing(result.content_type));
-  record.body = without_key(text_or_nothing(result.body));
+  record.content_type = key_.masked(text_or_nothing(result.content_type));
+  record.body = key_.masked(text_or_nothing(result.body));
   record.runtime["seconds"] = watch.seconds();
   save_exchange(options_.exchanges, record, request);
   exchanges_.push_back({record.name, record.sha256()});

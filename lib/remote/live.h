@@ -7,13 +7,14 @@
 #include "base/clock.h"
 #include "remote/backend.h"
 #include "remote/http.h"
+#include "remote/key_mask.h"
 
 namespace physmas::remote {
 
 class LiveBackend : public Backend {
  public:
-  // endpoint: scheme://host:port/path. Reads PM_API_KEY; one with control characters is a usage Error that does not
-  // show it.
+  // endpoint: scheme://host:port/path. Reads PM_API_KEY; one with control characters, or that stands in the endpoint,
+  // is a usage Error that does not show it.
   LiveBackend(std::string endpoint, const RemoteOptions& options);
   Reply exchange(const Request& request) override;
   bool is_recorded() const override { return false; }
@@ -24,10 +25,9 @@ class LiveBackend : public Backend {
   void check(const Request& request, const HttpResult& result) const;
   void wait(double seconds, const std::string& why);
   double left() const { return options_.budget - watch_.seconds(); }
-  std::string without_key(const std::string& text) const;
 
   std::string endpoint_;
-  std::string key_;
+  KeyMask key_;
   RemoteOptions options_;
   HttpClient http_;
   Stopwatch watch_;

@@ -61,10 +61,12 @@ PY
   fails_with 3 material --agent replay:exchanges --model other -- material_cake_plate_1.json /request/body/model tester other
   sed -i 's/"name": "Sponge cake"/"name": "Sponge pie"/' inventory.json
   "$make_fixture" masks inventory.json masks.h5 0.9
+  "$make_fixture" state inventory.json state.h5 3 4 2 1
   fails_with 3 material --agent replay:exchanges -- material_cake_sponge_1.json /request/body/messages/1/content/0/text "Sponge pie" "Sponge cake"
   cp "$data/inventory.json" .
   rm exchanges/material_cake_icing_1.json
   "$make_fixture" masks inventory.json masks.h5 0.9
+  "$make_fixture" state inventory.json state.h5 3 4 2 1
   fails_with 3 material --agent replay:exchanges -- material_cake_icing_1.json "no such record"
   sed -i 's/0\.75/0.85/' exchanges/material_cake_sponge_1.json
   fails_with 3 material --agent replay:exchanges -- material_cake_sponge_1.json /response/sha256 "changed after"
@@ -196,6 +198,28 @@ PY
   fails_remotely "repeats the key"
   [ ! -e exchanges ]
   PM_API_KEY=$'bad\nkey' fails_with 2 material --agent "$url" --model m -- PM_API_KEY
+}
+
+# No four letters of the key, in any case.
+refute_key() { refute grep -rliE 'sEcr|Ecre|cret|ret-|W0rd' --exclude=requests.log --exclude='.std*' . && refute grep -liE 'sEcr|Ecre|cret|W0rd' "$BATS_TEST_TMPDIR/.stderr"; }
+
+@test "remote: the key is masked in any case and spelling, before a text is cut" {
+  export PM_API_KEY=sEcret-W0rd
+  serve key-in-type
+  ask
+  grep -q '\[key\]' exchanges/*.json
+  refute grep -rli secret-w0rd exchanges evidence.json
+  rm -r exchanges evidence.json
+  stop_server
+  for mode in key-in-redirect key-in-capitals key-in-escapes key-in-broken-json; do
+    serve $mode
+    fails_with 4 ask -- key
+    refute_key
+    [ ! -e evidence.json ] && [ ! -e exchanges ]
+    stop_server
+  done
+  fails_with 2 material --agent http://127.0.0.1:1/SECRET-w0rd/v1 --model m -- PM_API_KEY
+  refute_key
 }
 
 @test "remote: usage errors show no more of the URL than its host" {

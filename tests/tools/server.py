@@ -375,6 +375,19 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.reply(307, "", headers=[("Location", self.path)])
         elif mode == "unauthorised":
             self.reply(401, {"error": "key " + self.headers.get("Authorization", "none") + " is not valid"})
+        elif mode in ("key-in-type", "key-in-redirect", "key-in-capitals", "key-in-escapes", "key-in-broken-json"):
+            key = self.headers.get("Authorization", "").replace("Bearer ", "")
+            escaped = "".join("\\u%04X" % ord(c) for c in key)
+            if mode == "key-in-type":
+                self.reply(200, good, "application/%s+json" % key)
+            elif mode == "key-in-redirect":
+                self.reply(307, "", headers=[("Location", "http://%s.invalid/v1" % key)])
+            elif mode == "key-in-capitals":
+                self.reply(403, {"error": "x" * 150 + key.upper() + " is not valid, nor is " + escaped})
+            elif mode == "key-in-escapes":
+                self.reply(200, '{"you sent": "%s", %s' % (escaped, json.dumps(good)[1:]))
+            else:
+                self.reply(200, '{"%s": 1, "%s": 2' % (escaped, escaped))
         elif mode == "echo":
             self.reply(200, {"you sent": self.headers.get("Authorization", ""), **good})
         else:
