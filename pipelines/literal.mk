@@ -14,7 +14,7 @@ SCENE_VARIABLES := PROMPT MATERIAL SPEC SET CAMERA DEFAULTS SCENE_AGENT PERCEPTI
 TEXT_VARIABLES := $(filter-out EXAMPLE BASE,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) SCENES DESTDIR PREFIX MAINTAINER
 # One word each.
 WORD_VARIABLES := EXAMPLE BASE RUN BATCH EVALUATE SUITE BIN BUILD THREADS V SAN TOGETHER PRECOMPILE ARCH MARCH WERROR SECONDS \
-  PICTURES GUITAR STABILITY ACCURACY DOCS
+  PICTURES GUITAR STABILITY ACCURACY DOCS HARDENING KILLS MUTATIONS INJECTIONS
 # Those that name a folder which make itself works in.
 WORKING_FOLDERS := RUN BATCH EVALUATE BASE
 
@@ -86,7 +86,7 @@ without_digits = $(if $(1),$(call without_digits,$(wordlist 2,10,$(1)),$(subst $
 , := ,
 
 # A key in a URL would be written into the run's folder. The value is not repeated.
-$(foreach v,AGENT SCENE_AGENT PERCEPTION PREDICTOR,$(if $(findstring ://,$(value $(v))),$(if $(call holds_any,@ ? \#,$(value $(v))),$(error \
+$(foreach v,AGENT SCENE_AGENT PERCEPTION PREDICTOR,$(if $(or $(findstring ://,$(value $(v))),$(if $(filter replay:%,$(firstword $(value $(v)))),,$(findstring @,$(value $(v))))),$(if $(call holds_any,@ ? \#,$(value $(v))),$(error \
   $(v) holds a user name, a password or a query: the key belongs into the environment variable PM_API_KEY))))
 $(foreach v,$(ASKED) $(FROM_ENVIRONMENT),$(if $(value $(v)),$(if $(strip $(call complaint,$(v))),$(error $(v)=$(call said,$(value $(v))): $(strip $(call complaint,$(v)))))))
 

@@ -22,6 +22,8 @@ struct Options {
 void check_evidence(const Options& options, const Evidence& evidence, const std::vector<long>& gaussians) {
   require_made_from(options.evidence, options.inventory, false);
   require_made_from(options.evidence, options.state, false);
+  require_made_from(options.plan, options.inventory, false);
+  require_made_from(options.state, options.inventory, false, "state");
   for (size_t r = 0; r < gaussians.size(); ++r) {
     if (evidence.rows[r].gaussians == gaussians[r]) continue;
     throw invalid_field(options.evidence, "/rows/" + std::to_string(r) + "/gaussians", evidence.rows[r].gaussians,

@@ -148,8 +148,12 @@ int ground_scene(Options options) {
   for (const std::string& file : perception.files) provenance.add_input(file);
   const std::filesystem::path out = options.out;
   const std::vector<Omission> rejected = agent ? agent->rejected() : std::vector<Omission>();
-  save_inventory((out / "inventory.json").string(), inventory, rejected, provenance, models.exchanges());
-  save_masks((out / "masks.h5").string(), inventory, perception.views, perception.omitted, provenance);
+  const std::string inventory_path = (out / "inventory.json").string(), masks_path = (out / "masks.h5").string();
+  save_masks(masks_path, inventory, perception.views, perception.omitted, provenance);
+  Provenance with_masks = provenance;
+  with_masks.add_output(masks_path);
+  save_inventory(inventory_path, inventory, rejected, with_masks, models.exchanges());
+  provenance.add_input(inventory_path);
   save_plan((out / "plan.json").string(), plan, provenance);
   for (const Omission& omission : rejected) log_info(omission.what + ": " + omission.why);
   for (const Omission& omission : perception.omitted) log_info(omission.what + ": " + omission.why);

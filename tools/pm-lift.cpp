@@ -95,6 +95,7 @@ int lift_scene(const Options& options) {
   std::vector<ViewMasks> masks(names.size());
   if (options.labels.empty()) {
     check_residual_rows(inventory, options.inventory);
+    require_written_with(options.inventory, options.masks);
     masks = load_masks(options.masks, inventory, names);
   }
   const std::vector<Camera> cameras = cameras_of(scene, masks, options.masks);

@@ -107,8 +107,11 @@ int work(Options options) {
   const Inventory inventory = load_inventory(options.inventory);
   std::vector<std::string> view_names;
   for (const SceneView& view : scene.views) view_names.push_back(view.name);
+  require_written_with(options.inventory, options.masks);
   const std::vector<ViewMasks> masks = load_masks(options.masks, inventory, view_names);
   const State state = load_state(options.state, &inventory);
+  require_made_from(options.state, options.inventory, false, "state");
+  require_made_from(options.state, options.masks, false, "state");
 
   Evidence evidence;
   const std::optional<MaterialRecords> records = observe(options, scene, inventory, masks, evidence, provenance);

@@ -9,6 +9,7 @@
 #include "screen/advice.h"
 #include "screen/explain.h"
 #include "screen/round.h"
+#include "screen/run_audit.h"
 #include "screen/run_table.h"
 
 using namespace physmas;
@@ -19,6 +20,7 @@ struct Options : screen::RoundFiles {
   int round = -1;
   bool explain = false, advice = false;
   std::vector<std::string> table;
+  std::string audit;
 };
 
 void require(const std::string& value, const char* flag) {
@@ -35,6 +37,13 @@ int work(const Options& options) {
   if (options.advice) {
     print(screen::advice_table());
     return static_cast<int>(ExitCode::done);
+  }
+  if (!options.audit.empty()) {
+    const screen::RunAudit audit = screen::audit_run(options.audit);
+    print(screen::audit_text(options.audit, audit));
+    if (audit.wrong.empty()) return static_cast<int>(ExitCode::done);
+    throw invalid_input({join_path(options.audit, audit.wrong.front().file), "", audit.wrong.front().what,
+                         "what was recorded", "make again what is wrong: remove it and run make"});
   }
   require(options.out, "--out");
   if (!options.table.empty()) {
@@ -81,6 +90,7 @@ int main(int argc, char** argv) {
       "--candidates candidates --rollouts rollouts --videos videos --round 0 --out screen/round0.json "
       "--accepted accepted.json --final final.mp4\n"
       "Print a record: pm-screen --explain --out screen/round0.json\n"
+      "Compare a finished run with what was recorded: pm-screen --audit runs/demo\n"
       "What to try when a gate fails: pm-screen --advice\n"
       "Runs in a table: pm-screen --table runs/a runs/b --out table.tsv\n"
       "Reads physmas/scene, plan, evidence, inventory, round, candidate, execution, render; writes physmas/screen and, "
@@ -101,6 +111,9 @@ int main(int argc, char** argv) {
     app.add_option("--final", options.final_video, "Copy of the accepted video to write").type_name("FILE");
     app.add_option("--table", options.table, "Folders of runs: write what became of them to --out, tab-separated")
         .type_name("DIR...");
+    app.add_option("--audit", options.audit,
+                   "Folder of a finished run: say which of its files are not what its records name by their hashes")
+        .type_name("DIR");
     app.add_flag("--advice", options.advice, "Print what to try when a gate fails, a line per gate");
     app.add_flag("--explain", options.explain, "Print the round as a table; with --out alone, a record that is there");
   };

@@ -103,7 +103,9 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
     record.start = bind::start_record(*start, state.row_keys);
     record.runtime["seconds"]["start"] = start->seconds;
   }
-  save_execution(fs::path(options.out).replace_extension(".json").string(), record, provenance);
+  Provenance with_rollout = provenance;
+  with_rollout.add_output(options.out);
+  save_execution(execution_path_of(options.out), record, with_rollout);
   for (const AchievedAction& action : record.achieved) {
     if (!action.shortfall.empty() && !record.diverged) log_warning(candidate.id + ": " + bind::shortfall_line(action));
   }

@@ -1,5 +1,6 @@
 #include "records/execution.h"
 
+#include <cerrno>
 #include <filesystem>
 
 #include "records/json.h"
@@ -165,6 +166,15 @@ ExecutionRecord load_execution(const std::string& path) {
 
 std::string execution_path_of(const std::string& rollout) {
   return std::filesystem::path(rollout).replace_extension(".json").string();
+}
+
+ExecutionRecord load_execution_of(const std::string& rollout) {
+  const std::string path = execution_path_of(rollout);
+  std::error_code failure;
+  if (!std::filesystem::exists(rollout, failure)) throw system_error(rollout, "cannot be read", ENOENT);
+  ExecutionRecord record = load_execution(path);
+  require_written_with(path, rollout);
+  return record;
 }
 
 void save_execution(const std::string& path, const ExecutionRecord& record, const Provenance& provenance) {

@@ -109,7 +109,10 @@ struct ExecutionRecord {
 };
 
 ExecutionRecord load_execution(const std::string& path);
-// Where the record of a rollout is: beside it, "rollouts/ID.json".
+// The record beside a rollout, "rollouts/ID.h5". A rollout that is not the one which was written with it is an Error
+// (exit code 3).
+ExecutionRecord load_execution_of(const std::string& rollout);
+// Where that record is.
 std::string execution_path_of(const std::string& rollout);
 void save_execution(const std::string& path, const ExecutionRecord& record, const Provenance& provenance);
 

@@ -144,7 +144,11 @@ void save_record(const std::string& path, const std::string& record, const Prove
   } catch (const Error& e) {
     throw internal_error(std::string("about to write an invalid record: ") + e.what());
   }
-  write_file(path, document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  write_file(path, record_text(document));
+}
+
+std::string record_text(const Json& document) {
+  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 Json to_json(const Eigen::Vector3d& v) {
@@ -162,13 +166,19 @@ Json to_json(const Provenance& provenance, const std::string& folder) {
   json["version"] = PHYSMAS_VERSION;
   json["options"] = Json::object();
   for (const auto& [name, value] : provenance.options) json["options"][name] = value;
-  json["inputs"] = Json::array();
-  for (const Provenance::Input& input : provenance.inputs) {
-    Json entry;
-    entry["path"] = portable_path(input.path, folder);
-    entry["sha256"] = input.sha256;
-    json["inputs"].push_back(entry);
-  }
+  const auto files_json = [&](const std::vector<Provenance::Input>& files) {
+    Json list = Json::array();
+    for (const Provenance::Input& file : files) {
+      Json entry;
+      entry["path"] = portable_path(file.path, folder);
+      entry["sha256"] = file.sha256;
+      if (file.without_runtime) entry["without"] = "runtime";
+      list.push_back(entry);
+    }
+    return list;
+  };
+  json["inputs"] = files_json(provenance.inputs);
+  if (!provenance.outputs.empty()) json["outputs"] = files_json(provenance.outputs);
   return json;
 }
 

@@ -26,6 +26,9 @@ void validate_record(const Json& document, const std::string& record, const std:
 // indentation. An invalid document is a fault of ours (exit code 70).
 void save_record(const std::string& path, const std::string& record, const Provenance& provenance, const Json& body);
 
+// A whole document as it stands in a file.
+std::string record_text(const Json& document);
+
 // On one line; bytes that are no UTF-8, as a file's name may hold them, are replaced.
 std::string compact_text(const Json& json);
 

@@ -29,8 +29,10 @@ Executed load_one(const RoundFiles& files, const std::string& id, int round, con
     throw invalid_field(candidate_path, "/round", executed.candidate.round,
                         std::to_string(round) + ", as its round record");
   }
-  require_made_from(candidate_path, files.evidence, false);
-  executed.execution = load_execution(execution_path);
+  for (const std::string& input : {files.evidence, files.plan, files.inventory})
+    require_made_from(candidate_path, input, false);
+  const std::string rollout_path = join_path(files.rollouts, id + ".h5");
+  executed.execution = load_execution_of(rollout_path);
   if (executed.execution.candidate != id)
     throw invalid_field(execution_path, "/candidate", executed.execution.candidate, "\"" + id + "\"");
   require_made_from(execution_path, candidate_path, true);
@@ -38,6 +40,11 @@ Executed load_one(const RoundFiles& files, const std::string& id, int round, con
   executed.render = load_render(render_path);
   if (executed.render.candidate != id)
     throw invalid_field(render_path, "/candidate", executed.render.candidate, "\"" + id + "\"");
+  for (const std::string& input : {execution_path, rollout_path}) require_made_from(render_path, input, false);
+  // One that is gone is the audit's to tell, where it is the accepted one.
+  const std::string video = executed.render.video.empty() ? "" : join_path(files.videos, executed.render.video);
+  std::error_code failure;
+  if (fs::exists(video, failure)) require_written_with(render_path, video);
   for (const std::string& input : {candidate_path, execution_path, render_path}) provenance.add_input(input);
   return executed;
 }
@@ -76,9 +83,12 @@ void publish(const RoundFiles& files, const ScreenRecord& record, const Executed
       {"screen", files.out}};
   Provenance provenance;
   provenance.tool = "pm-screen";
-  provenance.add_input(files.out);
+  for (const auto& [role, file] : trail) {
+    provenance.add_input(file);
+    accepted.audit.emplace_back(role, portable_path(file, folder));
+  }
   provenance.add_input(video);
-  for (const auto& [role, file] : trail) accepted.audit.emplace_back(role, portable_path(file, folder));
+  if (!files.final_video.empty()) provenance.add_output(files.final_video);
   save_accepted(files.accepted, accepted, provenance);
 }
 
@@ -127,6 +137,7 @@ ScreenRecord screen_round(const RoundFiles& files, int round) {
   const Inventory inventory = load_inventory(files.inventory);
   const Plan plan = load_plan(files.plan, inventory);
   const Evidence evidence = load_evidence(files.evidence, inventory.row_keys());
+  for (const std::string& record : {files.plan, files.evidence}) require_made_from(record, files.inventory, false);
   const std::vector<Executed> executed = load_executed(files, round, inventory, provenance);
 
   const SceneRecords records{inventory,

@@ -59,14 +59,16 @@ std::string write_best_video(const BestVideoOptions& options) {
   const ScreenedCandidate& best = whole == candidates.end() ? *candidates.front() : **whole;
   const std::vector<std::string> reasons = reasons_of(best, screen);
 
-  const RolloutFrames rollout(join_path(options.rollouts, best.id + ".h5"), state);
-  const ExecutionRecord execution = load_execution(execution_path_of(join_path(options.rollouts, best.id + ".h5")));
+  const std::string best_rollout = join_path(options.rollouts, best.id + ".h5");
+  const ExecutionRecord execution = load_execution_of(best_rollout);
+  require_made_from(execution_path_of(best_rollout), options.state, false);
+  const RolloutFrames rollout(best_rollout, state);
   const FittedCameras shown = video_cameras(scene, state, gaussians, rollout, execution, options.cameras);
   const Camera& first = shown.camera(0);
   Renderer renderer(gaussians);
   const RenderOptions render_options = video_options(scene.run.render);
   const std::string candidate = options.candidates.empty() ? "" : join_path(options.candidates, best.id + ".json");
-  VideoPictures pictures(scene, state, gaussians, {options.scene, "", candidate, best.id});
+  VideoPictures pictures(scene, state, gaussians, {options.scene, best_rollout, "", candidate, best.id});
   VideoWriter video(options.out, first.width, first.height, 1 / scene.run.time.frame_dt);
   const int frames = scene.run.time.frames;
   Progress progress("frame", frames);

@@ -59,9 +59,14 @@ void render_rollout(const RolloutVideoOptions& options) {
   if (!options.labels.empty()) inventory = load_inventory(options.inventory);
   const State state = load_state(options.state, options.labels.empty() ? nullptr : &inventory);
   const Gaussians gaussians = load_labelled_gaussians(scene.gaussians, state, options.state);
-  const RolloutFrames rollout(options.rollout, state);
   const std::string execution_path = execution_path_of(options.rollout);
-  const ExecutionRecord execution = load_execution(execution_path);
+  const ExecutionRecord execution = load_execution_of(options.rollout);
+  require_made_from(execution_path, options.state, false);
+  if (!options.cameras.empty()) {
+    require_made_from(options.cameras, options.state, false);
+    require_made_from(options.cameras, options.rollout, false);
+  }
+  const RolloutFrames rollout(options.rollout, state);
   // What the video is seen with; measurements are made in the scene's own cameras.
   const bool moved =
       !options.cameras.empty() || scene.run.render.camera_mode() != RunSpecification::Render::CameraMode::fixed;
@@ -89,7 +94,8 @@ void render_rollout(const RolloutVideoOptions& options) {
   record.fps = 1 / scene.run.time.frame_dt;
   Renderer renderer(gaussians);
   RenderOptions render_options = video_options(scene.run.render);
-  VideoPictures pictures(scene, state, gaussians, {options.scene, options.floor, options.candidate, record.candidate});
+  VideoPictures pictures(scene, state, gaussians,
+                         {options.scene, options.rollout, options.floor, options.candidate, record.candidate});
   std::unique_ptr<VideoWriter> video;
   std::unique_ptr<RowVideo> row_video;
   if (!wanted.empty()) {
@@ -189,6 +195,10 @@ void render_rollout(const RolloutVideoOptions& options) {
   if (!options.cameras.empty()) provenance.add_input(options.cameras);
   if (pictures.has_signs()) provenance.add_input(options.candidate);
   if (!options.labels.empty()) provenance.add_input(options.inventory);
+  if (!record.video.empty()) {
+    provenance.add_output(video_path);
+    if (!options.sheet.empty()) provenance.add_output(options.sheet);
+  }
   save_render(record_path, record, provenance);
 }
 

@@ -62,8 +62,10 @@ void fit_cameras(const FitCamerasOptions& options) {
     if (!input.empty()) provenance.add_input(input);
   }
   for (const std::string& path : options.rollouts) {
+    const ExecutionRecord execution = load_execution_of(path);
+    require_made_from(execution_path_of(path), options.state, false);
     const RolloutFrames rollout(path, state);
-    add_rollout(scene, state, gaussians, rollout, load_execution(execution_path_of(path)), base, fitted);
+    add_rollout(scene, state, gaussians, rollout, execution, base, fitted);
     provenance.add_input(path);
   }
   place_cameras(gaussians, base, fitted);

@@ -2,6 +2,8 @@
 
 #include "base/error.h"
 #include "records/candidate.h"
+#include "records/execution.h"
+#include "records/provenance.h"
 
 namespace physmas::splat {
 namespace {
@@ -25,6 +27,7 @@ std::unique_ptr<ActionSigns> make_signs(const Scene& scene, const State& state, 
     throw Error(ExitCode::usage, "--candidate is required where the run specification has render.agents: true");
   }
   const Candidate candidate = load_candidate(settings.candidate);
+  require_made_from(execution_path_of(settings.rollout), settings.candidate, false);
   if (candidate.id != settings.id)
     throw invalid_input({settings.candidate, "/id", candidate.id, settings.id + ", whose rollout is rendered"});
   return std::make_unique<ActionSigns>(candidate, state, gaussians, scene.run.placement.up_vector());

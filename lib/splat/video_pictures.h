@@ -22,6 +22,7 @@ RenderOptions video_options(const RunSpecification::Render& render);
 
 struct PictureSettings {
   std::string scene;      // its file, for errors
+  std::string rollout;    // its file, whose execution record names the candidate record that it was made from
   std::string floor;      // none | shadow; empty: as the run specification says
   std::string candidate;  // candidate record, for render.agents: true
   std::string id;         // of the rollout's candidate
@@ -30,7 +31,7 @@ struct PictureSettings {
 class VideoPictures {
  public:
   // All of them outlive this. A slice without the colliders that a floor needs, signs without a candidate record and a
-  // record of another candidate are Errors (exit codes 3, 2, 3).
+  // record of another candidate, or another one of that name, are Errors (exit codes 3, 2, 3).
   VideoPictures(const Scene& scene, const State& state, const Gaussians& gaussians, const PictureSettings& settings);
 
   // Of a frame that was rendered as `image`, in 8 bits `quantized`. time: seconds of the rollout.

@@ -196,6 +196,12 @@ PY
 @test "pm-render: bad input" {
   fails_with 3 render --rollout missing.h5 -- "missing.h5"
   head -c 2000 rollouts/support-stiff.h5 >rollouts/cut.h5
+  fails_with 3 render --rollout rollouts/cut.h5 -- "cut.json"
+  cp rollouts/support-stiff.json rollouts/cut.json
+  fails_with 3 render --rollout rollouts/cut.h5 -- "cut.json" "/provenance/outputs" "cut.h5"
+  # Beside a record of an earlier version, which names no rollout.
+  python3 -c 'import json; d = json.load(open("rollouts/cut.json")); del d["provenance"]["outputs"]; json.dump(d, open("rollouts/cut.json", "w"))'
+  cp rollouts/cut.json state.json
   fails_with 3 render --rollout rollouts/cut.h5 -- "cut.h5"
   fails_with 3 render --rollout state.h5 -- "/@schema"
   rm rollouts/support-stiff.json

@@ -189,6 +189,9 @@ def execute(scene, ids):
         with open("candidates/%s.json" % id_, "rb") as f:
             digest = hashlib.sha256(f.read()).hexdigest()
         tokens = done["execution"]["tokens"]
+        os.makedirs("rollouts", exist_ok=True)
+        with open("rollouts/%s.h5" % id_, "w") as f:
+            f.write("in the place of a rollout")
         write(
             "rollouts/%s.json" % id_,
             {

@@ -3,7 +3,8 @@
 //   make_fixture views SCENE                           the scene's view images, a gradient each
 //   make_fixture state INVENTORY OUT COUNT...          COUNT Gaussians per row, no filled particles
 //   make_fixture video OUT FRAMES                      a noisy 64x64 video of at least 4096 bytes
-//   make_fixture execution CANDIDATE OUT [TOKEN]       an execution record of that very file; TOKEN: it diverged
+//   make_fixture execution CANDIDATE OUT [TOKEN]       an execution record of that very file, and beside it a
+//                                                      file in the place of its rollout; TOKEN: it diverged
 //   make_fixture render ID VIDEO OUT FRAMES X1 Y1      a render record; boxes 0 0 10 10 at first, 0 0 X1 Y1 at last
 #include <cstdio>
 #include <filesystem>
@@ -102,7 +103,11 @@ void make_execution(const Arguments& a) {
   record.dt = candidate.timestep.dt;
   record.frames = 3;
   record.particles = 1;
-  save_execution(a.at(1), record, provenance_of({a.at(0)}));
+  const std::string rollout = std::filesystem::path(a.at(1)).replace_extension(".h5").string();
+  write_file(rollout, "no rollout, of " + candidate.id);
+  Provenance provenance = provenance_of({a.at(0)});
+  provenance.add_output(rollout);
+  save_execution(a.at(1), record, provenance);
 }
 
 void make_render(const Arguments& a) {
