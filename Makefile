@@ -338,6 +338,21 @@ $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%): $(BUILD)/test/fuzz/%: $(BUILD)/obj/tests
 test-fuzz: $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%) ## Replay the fuzzing corpus
 	@for t in $(FUZZ_TARGETS); do printf '%s: ' $$t; $(BUILD)/test/fuzz/$$t tests/fuzz/corpus/$$t || exit; done
 
+# --- Attacks ------------------------------------------------------------------------------------------------------
+
+# What docs/security.md promises, tried: kills, mutated files, injections, changed files, hostile servers, and faults of system
+# calls where the target hardening-faults is there. KILLS=20 MUTATIONS=2000 INJECTIONS=some takes a few minutes.
+HARDENING ?= runs/hardening
+KILLS ?= 300
+MUTATIONS ?= 100000
+INJECTIONS ?= all
+# Not by $(MAKE) in the recipe, which make -n would run.
+this_make := $(MAKE) --no-print-directory BUILD=$(BUILD) SAN=$(SAN)
+.PHONY: hardening
+hardening: all $(TEST_TOOLS) $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%) ## Attack the tools in every known way and print a table: [KILLS=300] [MUTATIONS=100000]
+	@faults=; ! $(this_make) -n hardening-faults >/dev/null 2>&1 || faults="$(this_make) hardening-faults"; \
+	tests/hardening/hardening.sh $(BUILD) $(HARDENING) $(KILLS) $(MUTATIONS) $(INJECTIONS) "$$faults"
+
 # --- Benchmarks ---------------------------------------------------------------------------------------------------
 
 .PHONY: bench

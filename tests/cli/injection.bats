@@ -40,6 +40,9 @@ J
   chmod +x tools/*
 }
 
+# For the table of `make hardening`.
+teardown_file() { echo "# tried $(wc -l <"$BATS_FILE_TMPDIR/tried") texts" >&3; }
+
 setup() {
   cd "$BATS_TEST_TMPDIR" || return 1
   cp -a "$BATS_FILE_TMPDIR"/{bundle,spec.json,run} .
@@ -56,6 +59,7 @@ tries() {
   local outcome=$1 variable=$2 text=$3
   shift 3
   rm -f "$arguments"
+  echo >>"$BATS_FILE_TMPDIR/tried"
   local before status=0
   before=$(state)
   run_make BIN="$tools" "$@" >"$BATS_TEST_TMPDIR/../output" 2>&1 || status=$?

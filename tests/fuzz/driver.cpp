@@ -1,9 +1,11 @@
-// Runs a fuzz target without libFuzzer: TARGET FILE-OR-FOLDER... [-max_total_time=SECONDS] [-seed=N].
+// Runs a fuzz target without libFuzzer: TARGET FILE-OR-FOLDER... [-max_total_time=SECONDS] [-runs=N] [-seed=N].
 // Without a time it replays the files once. With one it mutates them at random, without guidance by coverage, until the
-// time is over. The input that a sanitizer or an abort stopped at is left in crash-input.
+// time is over, or N mutations have been tried. The input that a sanitizer or an abort stopped at is left in
+// crash-input.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -111,12 +113,15 @@ class Mutator {
 int main(int argc, char** argv) {
   namespace fs = std::filesystem;
   double seconds = 0;
+  size_t mutations = SIZE_MAX;
   unsigned seed = 1;
   std::vector<std::string> files;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument.rfind("-max_total_time=", 0) == 0) {
       seconds = std::atof(argument.c_str() + 16);
+    } else if (argument.rfind("-runs=", 0) == 0) {
+      mutations = std::strtoull(argument.c_str() + 6, nullptr, 10);
     } else if (argument.rfind("-seed=", 0) == 0) {
       seed = static_cast<unsigned>(std::atol(argument.c_str() + 6));
     } else if (fs::is_directory(argument)) {
@@ -142,7 +147,7 @@ int main(int argc, char** argv) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   size_t runs = corpus.size();
-  for (; Clock::now() < end; ++runs) test(mutate(corpus));
+  for (size_t i = 0; i < mutations && Clock::now() < end; ++i, ++runs) test(mutate(corpus));
   std::printf("%zu inputs, nothing found\n", runs);
   return 0;
 }
