@@ -1,11 +1,7 @@
 // pm-screen: scores, gates and ranks the executed candidates, and decides the round.
-#include <fmt/format.h>
-
-#include <cerrno>
-#include <cstdio>
-
 #include "base/command_line.h"
 #include "base/file.h"
+#include "base/output.h"
 #include "screen/advice.h"
 #include "screen/explain.h"
 #include "screen/round.h"
@@ -27,15 +23,9 @@ void require(const std::string& value, const char* flag) {
   if (value.empty()) throw Error(ExitCode::usage, std::string(flag) + " is required; see pm-screen --help");
 }
 
-void print(const std::string& text) {
-  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-  // A reader that has seen enough (`| head`) is no error.
-  if (!written && errno != EPIPE) throw system_error("standard output", "cannot be written", errno);
-}
-
 int work(const Options& options) {
   if (options.advice) {
-    print(screen::advice_table());
+    print_text(screen::advice_table());
     return static_cast<int>(ExitCode::done);
   }
   if (!options.audit.empty()) {
@@ -54,7 +44,7 @@ int work(const Options& options) {
   }
   // Only --out: print a record that is there.
   if (options.explain && options.scene.empty()) {
-    print(screen::explain(load_screen(options.out)));
+    print_text(screen::explain(load_screen(options.out)));
     return static_cast<int>(ExitCode::done);
   }
   for (const auto& [value, flag] :
@@ -69,7 +59,7 @@ int work(const Options& options) {
   }
   if (options.round < 0) throw Error(ExitCode::usage, "--round is required; see pm-screen --help");
   const ScreenRecord record = screen::screen_round(options, options.round);
-  if (options.explain) print(screen::explain(record));
+  if (options.explain) print_text(screen::explain(record));
   if (record.decision == "fail") {
     throw Error(ExitCode::no_admissible, one_line(fmt::format("round {}: {}; pm-screen --explain --out {} shows why",
                                                               record.round, record.reason, options.out)));

@@ -5,12 +5,17 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
+#include <cstring>
 #include <new>
+#include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "base/error.h"
 #include "base/kernels.h"
 #include "base/log.h"
+#include "base/machine_limits.h"
+#include "base/output.h"
 
 namespace physmas {
 namespace {
@@ -131,10 +136,13 @@ bool Command::parsed() const {
   return app_->parsed();
 }
 
-int run_tool(int argc, char** argv, const ToolMain& tool) {
-  set_tool_name(tool.name);
-  // A write to a closed pipe must be an error that we report, not a silent death.
-  std::signal(SIGPIPE, SIG_IGN);
+namespace {
+
+// Before main(), whose first lines can run out of memory.
+[[maybe_unused]] const bool kReported = report_uncaught_exceptions();
+
+// Exceptions are for the caller.
+int parse_and_work(int argc, char** argv, const ToolMain& tool) {
   CommonOptions common;
   std::string level = "warning", device = "auto";
   bool quiet = false;
@@ -162,33 +170,53 @@ int run_tool(int argc, char** argv, const ToolMain& tool) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
-    return app.exit(e);
+    std::ostringstream text;
+    const int code = app.exit(e, text, text);
+    print_text(text.str());
+    return code;
   } catch (const CLI::ParseError& e) {
     log_error(std::string(e.what()) + "; see " + tool.name + " --help");
     return static_cast<int>(ExitCode::usage);
   }
+  const std::vector<std::pair<std::string, LogLevel>> levels = {
+      {"error", LogLevel::error}, {"warning", LogLevel::warning}, {"info", LogLevel::info}, {"debug", LogLevel::debug}};
+  for (const auto& [name, value] : levels) {
+    if (level == name) set_log_level(value);
+  }
+  if (quiet) set_log_level(LogLevel::error);
+  require_threads(common.threads > 0 ? common.threads : omp_get_max_threads());
+  if (common.threads > 0) omp_set_num_threads(common.threads);
+  common.device = choose_device(device, common.threads);
+  chosen_kernels();  // here, where an error is reported
+  return tool.work(common);
+}
+
+int report(const Error& error) {
+  log_error(error.what());
+  return static_cast<int>(error.code());
+}
+
+}  // namespace
+
+int run_tool(int argc, char** argv, const ToolMain& tool) {
+  set_tool_name(tool.name);
+  // A write to a closed pipe, or beyond the limit of a file's size, must be an error that we report, not a silent
+  // death.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  const ForeignExits watched;
   try {
-    const std::vector<std::pair<std::string, LogLevel>> levels = {{"error", LogLevel::error},
-                                                                  {"warning", LogLevel::warning},
-                                                                  {"info", LogLevel::info},
-                                                                  {"debug", LogLevel::debug}};
-    for (const auto& [name, value] : levels) {
-      if (level == name) set_log_level(value);
-    }
-    if (quiet) set_log_level(LogLevel::error);
-    if (common.threads > 0) omp_set_num_threads(common.threads);
-    common.device = choose_device(device, common.threads);
-    chosen_kernels();  // here, where an error is reported
-    return tool.work(common);
+    return parse_and_work(argc, argv, tool);
   } catch (const Error& e) {
-    log_error(e.what());
-    return static_cast<int>(e.code());
+    return report(e);
   } catch (const std::bad_alloc&) {
-    log_error("out of memory; use fewer particles, a smaller grid or smaller images");
-    return static_cast<int>(ExitCode::internal);
+    return report(out_of_memory());
   } catch (const std::exception& e) {
-    log_error(std::string("internal fault: ") + e.what());
-    return static_cast<int>(ExitCode::internal);
+    const auto* from_system = dynamic_cast<const std::system_error*>(&e);
+    const bool thread = from_system != nullptr && from_system->code() == std::errc::resource_unavailable_try_again;
+    // OpenCV's threads (TBB) have no better way to say it than their text.
+    if (thread || std::strstr(e.what(), "pthread_create") != nullptr) return report(no_thread());
+    return report(internal_error(e.what()));
   }
 }
 

@@ -67,8 +67,8 @@ struct CommonOptions {
 };
 
 // A tool's command line. `options` fills the parser; `work` runs after parsing and returns the exit code.
-// An Error becomes "TOOL: error: text" on stderr and its exit code; running out of memory and other exceptions
-// become exit code 70. `--help` and `--version` print to stdout and exit 0, usage errors exit 2.
+// An Error becomes "TOOL: error: text" on stderr and its exit code; running out of memory or threads becomes exit code
+// 3, other exceptions 70. `--help` and `--version` print to stdout and exit 0, usage errors exit 2.
 struct ToolMain {
   std::string name;         // "pm-lift"
   std::string description;  // one sentence: what goes in, what comes out

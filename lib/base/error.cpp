@@ -3,30 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/printable.h"
+
 namespace physmas {
-namespace {
-
-// Length of the UTF-8 character that begins there; 0 where none does.
-size_t character_bytes(const std::string& text, size_t at) {
-  const auto byte = [&](size_t i) -> unsigned { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0; };
-  const unsigned first = byte(at), second = byte(at + 1);
-  const size_t length = first < 0x80   ? 1
-                        : first < 0xc2 ? 0
-                        : first < 0xe0 ? 2
-                        : first < 0xf0 ? 3
-                        : first < 0xf5 ? 4
-                                       : 0;
-  for (size_t i = at + 1; i < at + length; ++i) {
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-  }
-  // Longer than need be, halves of surrogate pairs, beyond the last character.
-  const bool forbidden = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
-                         (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
-  return forbidden ? 0 : length;
-}
-
-}  // namespace
-
 Error invalid_input(const Finding& f) {
   std::string text = f.file;
   if (!f.field.empty()) text += (text.empty() ? "" : ": ") + f.field;
@@ -59,10 +38,10 @@ std::string one_line(const std::string& text, size_t limit) {
   for (size_t at = 0; at < text.size();) {
     if (line.size() >= limit) return line + "...";
     const size_t bytes = character_bytes(text, at);
-    const bool control = static_cast<unsigned char>(text[at]) < 0x20 || text[at] == 0x7f;
-    if (bytes == 0) {
+    const bool ascii_control = static_cast<unsigned char>(text[at]) < 0x20 || text[at] == 0x7f;
+    if (bytes == 0 || (!ascii_control && is_control(text, at, bytes))) {
       line += '?';
-    } else if (!control) {
+    } else if (!ascii_control) {
       line.append(text, at, bytes);
     } else if (line.empty() || line.back() != ' ') {
       line += ' ';

@@ -21,6 +21,20 @@ namespace {
 
 using File = std::unique_ptr<FILE, int (*)(FILE*)>;
 
+// What a path leads to, where that is no regular file; empty where it is.
+const char* other_kind(const struct stat& info) {
+  if (S_ISREG(info.st_mode)) return "";
+  if (S_ISDIR(info.st_mode)) return "a folder";
+  if (S_ISFIFO(info.st_mode)) return "a pipe";
+  if (S_ISSOCK(info.st_mode)) return "a socket";
+  return "a device";
+}
+
+void require_regular(const std::string& path, const struct stat& info, const char* expected) {
+  const char* kind = other_kind(info);
+  if (*kind != '\0') throw invalid_input({path, "", kind, expected});
+}
+
 bool same_bytes(const std::string& a, const std::string& b) {
   struct stat sa, sb;
   if (stat(a.c_str(), &sa) != 0 || stat(b.c_str(), &sb) != 0) return false;
@@ -38,18 +52,37 @@ bool same_bytes(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string read_file(const std::string& path, size_t limit) {
+uint64_t regular_file_size(const std::string& path) {
   struct stat info;
   if (stat(path.c_str(), &info) != 0) throw system_error(path, "cannot be read", errno);
-  if (S_ISDIR(info.st_mode)) throw invalid_input({path, "", "a folder", "a file"});
-  const File file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) throw system_error(path, "cannot be read", errno);
+  require_regular(path, info, "a file");
+  return static_cast<uint64_t>(info.st_size);
+}
+
+int open_regular_file(const std::string& path) {
+  // Looked at before as well: opening a device can have effects.
+  regular_file_size(path);
+  const int fd = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) throw system_error(path, "cannot be read", errno);
+  struct stat info;
+  if (fstat(fd, &info) == 0 && S_ISREG(info.st_mode)) return fd;
+  ::close(fd);
+  throw invalid_input({path, "", "something else than a moment before", "a file"});
+}
+
+std::string read_file(const std::string& path, size_t limit) {
+  const uint64_t size = regular_file_size(path);
+  const int fd = open_regular_file(path);
+  const File file(::fdopen(fd, "rb"), std::fclose);
+  if (!file) {
+    ::close(fd);
+    throw system_error(path, "cannot be read", ENOMEM);
+  }
   std::string bytes;
   // Growing piece by piece would need twice the memory for a moment.
-  if (S_ISREG(info.st_mode)) bytes.reserve(std::min(static_cast<size_t>(info.st_size), limit));
+  bytes.reserve(std::min(static_cast<size_t>(size), limit));
   // A small file does not pay for a large buffer.
-  const size_t usual = size_t{1} << 20;
-  std::string buffer(S_ISREG(info.st_mode) ? std::min(static_cast<size_t>(info.st_size) + 1, usual) : usual, '\0');
+  std::string buffer(std::min(static_cast<size_t>(size) + 1, size_t{1} << 20), '\0');
   size_t n;
   while ((n = std::fread(&buffer[0], 1, buffer.size(), file.get())) > 0) {
     if (bytes.size() + n > limit) {
@@ -66,17 +99,18 @@ AtomicFile::AtomicFile(const std::string& path, const std::string& suffix) : pat
   std::error_code failure;
   fs::create_directories(folder, failure);
   if (failure) throw system_error(path, "its folder cannot be made", failure.value());
-  if (fs::is_directory(path, failure)) throw invalid_input({path, "", "a folder", "a file to write"});
-  // The process id keeps parallel jobs apart; the leading dot keeps half files out of listings.
-  temporary_ = (folder / fmt::format(".{}.{}.tmp{}", fs::path(path).filename().string(), getpid(), suffix)).string();
+  struct stat info;
+  if (stat(path.c_str(), &info) == 0) require_regular(path, info, "a file to write");
+  remove_stale_half_files(folder.string());
+  temporary_ = (folder / half_file_name(fs::path(path).filename().string(), suffix)).string();
   remove_on_signal(temporary_);
-  const int fd = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+  const int fd = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (fd < 0) {
     const int reason = errno;
     keep_on_signal(temporary_);
     throw system_error(path, "cannot be written", reason);
   }
-  ::close(fd);
+  ::close(fd);  // empty: nothing can be lost
 }
 
 AtomicFile::~AtomicFile() {
@@ -104,13 +138,17 @@ bool AtomicFile::commit() {
 
 bool write_file(const std::string& path, const std::string& bytes) {
   AtomicFile out(path);
-  FILE* file = std::fopen(out.temporary_path().c_str(), "wb");
-  if (file == nullptr) throw system_error(path, "cannot be written", errno);
-  const size_t written = std::fwrite(bytes.data(), 1, bytes.size(), file);
-  const int write_error = errno;
-  // A full disk may show itself only when the buffer is flushed.
-  if (std::fclose(file) != 0) throw system_error(path, "cannot be written", errno);
-  if (written != bytes.size()) throw system_error(path, "cannot be written", write_error);
+  const int fd = ::open(out.temporary_path().c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
+  if (fd < 0) throw system_error(path, "cannot be written", errno);
+  int reason = 0;
+  for (size_t at = 0; at < bytes.size() && reason == 0;) {
+    const ssize_t n = ::write(fd, bytes.data() + at, bytes.size() - at);
+    if (n >= 0) at += static_cast<size_t>(n);
+    if (n < 0 && errno != EINTR) reason = errno;
+  }
+  // Some file systems tell only here that the disk is full.
+  if (::close(fd) != 0 && reason == 0) reason = errno;
+  if (reason != 0) throw system_error(path, "cannot be written", reason);
   return out.commit();
 }
 
@@ -133,7 +171,17 @@ std::string resolve_inside(const std::string& folder, const std::string& relativ
     throw invalid_input({file, field, "\"" + relative + "\"", "a relative path that stays inside the bundle's folder",
                          "copy the file into the bundle"});
   }
-  return (fs::path(folder) / normal).string();
+  const std::string inside = (fs::path(folder) / normal).string();
+  // A link that the bundle holds leads anywhere. What does not exist is for the reader to say.
+  std::error_code failure;
+  const fs::path target = fs::weakly_canonical(fs::absolute(inside, failure), failure);
+  const fs::path base = failure ? fs::path() : fs::weakly_canonical(fs::absolute(folder, failure), failure);
+  const std::string from_base = failure ? ".." : target.lexically_relative(base).generic_string();
+  if (from_base.empty() || from_base == ".." || from_base.rfind("../", 0) == 0) {
+    throw invalid_input({file, field, "\"" + relative + "\", a link that leaves the bundle's folder",
+                         "a file inside the bundle's folder", "copy the file into the bundle"});
+  }
+  return inside;
 }
 
 std::string folder_of(const std::string& path) {

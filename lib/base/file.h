@@ -3,17 +3,27 @@
 #define PHYSMAS_BASE_FILE_H
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 namespace physmas {
 
-// The file's bytes. Refuses directories, unreadable files and files above `limit` bytes (exit code 3).
+// Everything that is read or replaced is a regular file, or a link to one: a pipe would hang and a device would be
+// replaced. Errors (exit code 3) say what is there instead. Size in bytes.
+uint64_t regular_file_size(const std::string& path);
+
+// A regular file, open for reading; does not wait for the other end of a pipe. Errors as above.
+int open_regular_file(const std::string& path);
+
+// The file's bytes. Refuses what is no regular file, unreadable files and files above `limit` bytes (exit code 3).
 std::string read_file(const std::string& path, size_t limit = size_t{1} << 30);
 
 // An output file that appears whole or not at all. Write to `temporary_path()` by any means, then `commit()`:
 // the bytes are flushed to disk and renamed onto `path`; when `path` already holds the same bytes it is left
-// untouched with its timestamp, so nothing downstream reruns. Without commit the temporary file is removed.
-// All failures (missing folder, no permission, disk full) are Errors with exit code 3 that name `path`.
+// untouched with its timestamp, so nothing downstream reruns. Without commit the temporary file is removed; what a
+// killed process left is removed by the next one that writes into that folder (base/half_files.h). All failures
+// (missing folder, no permission, disk full, a device or pipe of that name) are Errors with exit code 3 that name
+// `path`.
 class AtomicFile {
  public:
   // Creates missing parent folders, and fails at once when the folder cannot be written.
@@ -39,8 +49,8 @@ bool write_file(const std::string& path, const std::string& bytes);
 // how provenance names an input, so that a run's bytes do not depend on where the run lies.
 std::string portable_path(const std::string& path, const std::string& folder);
 
-// `relative` inside `folder`; refuses absolute paths and paths that leave the folder (exit code 3, with file and
-// field).
+// `relative` inside `folder`; refuses absolute paths and paths that leave the folder, also through symbolic links (exit
+// code 3, with file and field).
 std::string resolve_inside(const std::string& folder, const std::string& relative, const std::string& file,
                            const std::string& field);
 

@@ -1,6 +1,7 @@
 #include "base/hash.h"
 
 #include <openssl/evp.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/file.h"
 
 namespace physmas {
 namespace {
@@ -46,8 +48,12 @@ std::string sha256_text(const std::string& bytes) {
 }
 
 std::string sha256_file(const std::string& path) {
-  std::unique_ptr<FILE, int (*)(FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (!file) throw system_error(path, "cannot be read", errno);
+  const int fd = open_regular_file(path);
+  const std::unique_ptr<FILE, int (*)(FILE*)> file(::fdopen(fd, "rb"), std::fclose);
+  if (!file) {
+    ::close(fd);
+    throw system_error(path, "cannot be read", ENOMEM);
+  }
   Sha256 sha;
   std::vector<char> buffer(1 << 20);
   size_t n;

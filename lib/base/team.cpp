@@ -1,6 +1,9 @@
 #include "base/team.h"
 
 #include <algorithm>
+#include <system_error>
+
+#include "base/machine_limits.h"
 
 namespace physmas {
 
@@ -23,10 +26,23 @@ void Team::pause(int round) {
 }
 
 Team::Team(int threads) : ranges_(std::max(1, threads)) {
-  for (int i = 1; i < threads; ++i) workers_.emplace_back([this, i] { serve(i); });
+  try {
+    workers_.reserve(ranges_.size());
+    for (int i = 1; i < threads; ++i) workers_.emplace_back([this, i] { serve(i); });
+  } catch (const std::system_error&) {
+    end();
+    throw no_thread();
+  } catch (...) {
+    end();
+    throw;
+  }
 }
 
 Team::~Team() {
+  end();
+}
+
+void Team::end() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     ending_ = true;

@@ -14,7 +14,7 @@ namespace physmas {
 
 class Team {
  public:
-  // threads: the calling thread included, at least 1.
+  // threads: the calling thread included, at least 1. An Error (exit code 3) where the machine does not give them.
   explicit Team(int threads);
   ~Team();
   Team(const Team&) = delete;
@@ -51,6 +51,7 @@ class Team {
   void share(const std::vector<int>& bounds, Call call, const void* context);
   bool take_one(int thread);
   void serve(int thread);
+  void end();
 
   // One per range: (job number << 32) | next index. An index is claimed by a compare-and-swap on the whole word, so
   // that a thread that comes late can never take part in another job than the one whose fields it has read.

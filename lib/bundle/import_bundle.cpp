@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/output.h"
 #include "bundle/captured_views.h"
 #include "bundle/dataparser_transform.h"
 #include "bundle/physgaussian.h"
@@ -386,9 +387,8 @@ void write_import_bundle(const ImportOptions& given) {
     save_record(scene.materials, "material_records", hints, material_hints(configuration, row_keys));
   }
   save_scene(options.folder + "/scene.json", scene, provenance);
-  if (turned) fmt::print("turned: the bundle has PhysGaussian's axes, {}\n", rotation_text(configuration.turn));
-  for (const Omission& field : configuration.not_mapped) fmt::print("not mapped: {}: {}\n", field.what, field.why);
-  std::fflush(stdout);
+  if (turned) print("turned: the bundle has PhysGaussian's axes, {}\n", rotation_text(configuration.turn));
+  for (const Omission& field : configuration.not_mapped) print("not mapped: {}: {}\n", field.what, field.why);
   if (!warning.empty()) log_warning(options.gaussians + ": " + warning);
   const size_t simulated = scene.run.particles.simulated(gaussians.size());
   if (simulated < gaussians.size()) {

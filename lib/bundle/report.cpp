@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/error.h"
 #include "base/log.h"
+#include "base/output.h"
 #include "bundle/selection.h"
 #include "records/inventory.h"
 #include "records/scene.h"
@@ -29,7 +31,7 @@ void print_histogram(const std::vector<float>& values, double low, double high) 
   for (int bin = 0; bin < kBins; ++bin) {
     const double from = low + (high - low) * bin / kBins, to = low + (high - low) * (bin + 1) / kBins;
     const size_t bar = (counts[bin] * kBarWidth + most - 1) / most;
-    fmt::print("    {:8.3g} to {:8.3g}  {:9}{}{}\n", from, to, counts[bin], bar > 0 ? "  " : "", std::string(bar, '#'));
+    print("    {:8.3g} to {:8.3g}  {:9}{}{}\n", from, to, counts[bin], bar > 0 ? "  " : "", std::string(bar, '#'));
   }
 }
 
@@ -52,20 +54,20 @@ void print_gaussians(const std::string& path) {
   const auto scale = std::minmax_element(scales.begin(), scales.end());
   const Eigen::Vector3f &low = bounds.min(), &high = bounds.max();
   const auto power = [](float exponent) { return std::pow(10.0, static_cast<double>(exponent)); };
-  fmt::print("{}: {} Gaussians\n", path, gaussians.size());
-  fmt::print("  spherical harmonics  degree {}\n", gaussians.sh_degree);
-  fmt::print("  bounds of the means  {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}\n", low.x(), low.y(), low.z(),
-             high.x(), high.y(), high.z());
-  fmt::print("  opacity              {:.3g} to {:.3g}, median {:.3g}\n", *opacity.first, *opacity.second,
-             median_of(opacities));
+  print("{}: {} Gaussians\n", path, gaussians.size());
+  print("  spherical harmonics  degree {}\n", gaussians.sh_degree);
+  print("  bounds of the means  {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}\n", low.x(), low.y(), low.z(), high.x(),
+        high.y(), high.z());
+  print("  opacity              {:.3g} to {:.3g}, median {:.3g}\n", *opacity.first, *opacity.second,
+        median_of(opacities));
   print_histogram(opacities, 0, 1);
-  fmt::print("  scale                {:.3g} to {:.3g}, median {:.3g}; by its logarithm to base 10:\n",
-             power(*scale.first), power(*scale.second), power(median_of(scales)));
+  print("  scale                {:.3g} to {:.3g}, median {:.3g}; by its logarithm to base 10:\n", power(*scale.first),
+        power(*scale.second), power(median_of(scales)));
   print_histogram(scales, *scale.first, *scale.second);
   const Floaters floaters = find_floaters(gaussians);
-  fmt::print("  floaters             {} outside {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}\n", floaters.count,
-             floaters.box.min().x(), floaters.box.min().y(), floaters.box.min().z(), floaters.box.max().x(),
-             floaters.box.max().y(), floaters.box.max().z());
+  print("  floaters             {} outside {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}\n", floaters.count,
+        floaters.box.min().x(), floaters.box.min().y(), floaters.box.min().z(), floaters.box.max().x(),
+        floaters.box.max().y(), floaters.box.max().z());
   const std::string warning = floater_warning(floaters);
   if (!warning.empty()) log_warning(path + ": " + warning);
 }
@@ -73,16 +75,16 @@ void print_gaussians(const std::string& path) {
 void print_scene(const std::string& path) {
   const Scene scene = load_scene(path, {});
   const std::string slice = scene.slice.empty() ? "" : fmt::format(" (slice for {})", scene.slice);
-  fmt::print("{}: scene {}{}\n", path, scene.name, slice);
-  if (!scene.prompt.empty()) fmt::print("  prompt    {}\n", scene.prompt);
+  print("{}: scene {}{}\n", path, one_line(scene.name), slice);
+  if (!scene.prompt.empty()) print("  prompt    {}\n", one_line(scene.prompt));
   for (const SceneView& view : scene.views)
-    fmt::print("  view      {} {} x {}\n", view.name, view.camera.width, view.camera.height);
-  fmt::print("  cameras   {} for {} frames\n", scene.output_cameras.size(), scene.run.time.frames);
+    print("  view      {} {} x {}\n", view.name, view.camera.width, view.camera.height);
+  print("  cameras   {} for {} frames\n", scene.output_cameras.size(), scene.run.time.frames);
   const RunSpecification& run = scene.run;
-  fmt::print("  grid      {} cells of {:.4g}, up {}, {} colliders\n", run.grid.n, run.grid.dx(), run.placement.up,
-             run.colliders.size());
+  print("  grid      {} cells of {:.4g}, up {}, {} colliders\n", run.grid.n, run.grid.dx(), run.placement.up,
+        run.colliders.size());
   if (!scene.inventory.empty()) {
-    for (const InventoryRow& row : load_inventory(scene.inventory).rows) fmt::print("  row       {}\n", row.key());
+    for (const InventoryRow& row : load_inventory(scene.inventory).rows) print("  row       {}\n", row.key());
   }
   if (!scene.gaussians.empty()) print_gaussians(scene.gaussians);
 }
@@ -96,7 +98,6 @@ void print_report(const std::string& path) {
   } else {
     print_gaussians(path);
   }
-  std::fflush(stdout);
 }
 
 }  // namespace physmas::bundle

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/output.h"
 #include "metrics/clip.h"
 #include "metrics/commands.h"
 #include "records/metrics.h"
@@ -72,7 +73,7 @@ int clip(const ClipOptions& options) {
     provenance.add_input(options.merges);
   }
   save_metrics(options.out, "scene", {{"clip_sim", m.valid, m.value, m.samples, m.reason}}, provenance, exchanges);
-  fmt::print("clip_sim {}\n", m.valid ? fmt::format("{:.4f} ({} frames)", m.value, m.samples) : "invalid: " + m.reason);
+  print("clip_sim {}\n", m.valid ? fmt::format("{:.4f} ({} frames)", m.value, m.samples) : "invalid: " + m.reason);
   return 0;
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/output.h"
 #include "metrics/commands.h"
 #include "metrics/video_tracks.h"
 #include "records/metrics.h"
@@ -73,8 +74,8 @@ void report_motion(const std::string& out, const std::string& target, const Meas
   std::vector<MetricEntry> metrics;
   const auto add = [&](const char* name, const Measurement& m) {
     metrics.push_back({name, m.valid, m.value, m.samples, m.reason});
-    fmt::print("{:<18} {}\n", name,
-               m.valid ? fmt::format("{:.4f} ({} samples)", m.value, m.samples) : "invalid: " + m.reason);
+    print("{:<18} {}\n", name,
+          m.valid ? fmt::format("{:.4f} ({} samples)", m.value, m.samples) : "invalid: " + m.reason);
   };
   add("trajectory_nrmse", trajectory);
   add("area_log_rmse", area);

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/error.h"
+#include "base/output.h"
 #include "metrics/commands.h"
 #include "metrics/gaussian_tracks.h"
 #include "metrics/label_accuracy.h"
@@ -95,7 +96,7 @@ int labels(const LabelOptions& options) {
   for (const std::string& input : {truth_file, scene.inventory, options.inventory, options.state})
     provenance.add_input(input);
   save_label_accuracy(options.out, accuracy, provenance);
-  fmt::print("{}", label_table(accuracy));
+  print("{}", label_table(accuracy));
   return 0;
 }
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/output.h"
 #include "metrics/commands.h"
 #include "metrics/preference.h"
 #include "metrics/study_page.h"
@@ -25,8 +26,8 @@ int study(const StudyOptions& options) {
   provenance.options = {{"study", options.study}, {"seed", options.seed}};
   provenance.add_input(options.manifest);
   save_study_key(options.out + "/key.json", key, provenance);
-  fmt::print("{} cases, {} to choose from: give {}/page to respondents, keep {}/key.json\n", key.cases.size(),
-             key.methods.size(), options.out, options.out);
+  print("{} cases, {} to choose from: give {}/page to respondents, keep {}/key.json\n", key.cases.size(),
+        key.methods.size(), options.out, options.out);
   return 0;
 }
 
@@ -54,10 +55,10 @@ int upr(const UprOptions& options) {
   for (const std::string& path : options.answers) provenance.add_input(path);
   save_upr(options.out, record, provenance);
   for (const UprRecord::Set& set : record.sets) {
-    fmt::print("{} ({} cases)\n", set.name, set.cases);
+    print("{} ({} cases)\n", set.name, set.cases);
     for (const std::string& method : record.methods) {
       const Preference& p = set.upr.at(method);
-      fmt::print("  {:<24} {:5.1f} %  [{:.1f}, {:.1f}]\n", method, p.value, p.low, p.high);
+      print("  {:<24} {:5.1f} %  [{:.1f}, {:.1f}]\n", method, p.value, p.low, p.high);
     }
   }
   return 0;

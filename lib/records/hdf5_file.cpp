@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <hdf5.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <set>
 #include <type_traits>
 
 #include "base/error.h"
+#include "records/hdf5_check.h"
+#include "records/hdf5_handle.h"
 #include "records/hdf5_text.h"
 #include "records/json.h"
 
@@ -17,31 +21,6 @@ namespace physmas {
 namespace {
 
 constexpr uint64_t kAny = UINT64_MAX;
-
-// Closes an HDF5 identifier of any kind when it goes out of scope.
-class Handle {
- public:
-  explicit Handle(hid_t id) : id_(id) {}
-  ~Handle() {
-    if (id_ >= 0) H5Idec_ref(id_);
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }
-  bool ok() const { return id_ >= 0; }
-
- private:
-  hid_t id_;
-};
-
-// Called before any other use of the library. Our messages replace what it would print to stderr by itself.
-void prepare_hdf5() {
-  // After a failed flush (a full disk) the library's exit handler would try again and crash. Every file is closed by
-  // its owner here, so nothing is left for that handler to do. It must be switched off before the library starts.
-  static const herr_t no_exit_handler = H5dont_atexit();
-  static_cast<void>(no_exit_handler);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
 
 template <class T>
 hid_t native_type() {
@@ -88,20 +67,10 @@ bool matches_type(hid_t dataset) {
 
 }  // namespace
 
-Hdf5Reader::Hdf5Reader(const std::string& path, const std::string& record) : path_(path) {
-  prepare_hdf5();
-  if (FILE* probe = std::fopen(path.c_str(), "rb")) {
-    std::fclose(probe);
-  } else {
-    throw system_error(path, "cannot be read", errno);
-  }
-  // Locking fails on read-only and some network file systems, and nothing here writes in place.
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS));
-  H5Pset_file_locking(access, false, true);
-  file_ = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access);
-  if (file_ < 0)
-    throw invalid_input({path, "", "a file that HDF5 cannot open (cut short, or another format)",
-                         "an HDF5 file of record physmas/" + record + "/1"});
+Hdf5Reader::Hdf5Reader(const std::string& path, const std::string& record) : path_(path), record_(record) {
+  check_hdf5(path, record);
+  file_ = open_hdf5(path.c_str());
+  if (file_ < 0) throw system_error(path, "cannot be opened again", errno);
   try {
     const std::string schema = read_text_attribute("/", "schema");
     const std::string expected = "physmas/" + record + "/1";
@@ -110,6 +79,10 @@ Hdf5Reader::Hdf5Reader(const std::string& path, const std::string& record) : pat
     H5Fclose(file_);
     throw;
   }
+}
+
+Hdf5Reader::Hdf5Reader(const std::string& path, int64_t file) : path_(path), file_(file) {
+  H5Iinc_ref(file_);
 }
 
 Hdf5Reader::~Hdf5Reader() {
@@ -143,6 +116,28 @@ std::vector<std::string> Hdf5Reader::names_in(const std::string& group) const {
     names.push_back(name);
   }
   return names;
+}
+
+void Hdf5Reader::add_datasets(const std::string& group, std::vector<std::string>& names) const {
+  for (const std::string& name : names_in(group)) {
+    const std::string path = (group == "/" ? "" : group) + "/" + name;
+    const Handle object(H5Oopen(file_, path.c_str(), H5P_DEFAULT));
+    if (H5Iget_type(object) == H5I_GROUP) {
+      add_datasets(path, names);
+    } else {
+      names.push_back(path);
+    }
+  }
+}
+
+void Hdf5Reader::allow_only(const std::vector<std::string>& datasets) const {
+  std::vector<std::string> there;
+  add_datasets("/", there);
+  const std::set<std::string> known(datasets.begin(), datasets.end());
+  for (const std::string& name : there) {
+    if (known.count(name) > 0) continue;
+    throw invalid(name, "an unknown dataset", "the datasets of schemas/" + record_ + ".h5.md only");
+  }
 }
 
 std::vector<uint64_t> Hdf5Reader::shape(const std::string& dataset) const {
@@ -253,9 +248,14 @@ std::string Hdf5Reader::read_text_attribute(const std::string& object, const std
 }
 
 Hdf5Writer::Hdf5Writer(const std::string& path, const std::string& record, const Provenance& provenance)
-    : path_(path), out_(path) {
+    : path_(path), record_(record), out_(path) {
   prepare_hdf5();
-  file_ = H5Fcreate(out_.temporary_path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  // Closing the file closes all that is in it: else what a failed close left open would keep the file from being
+  // written.
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS));
+  H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+  H5Pset_file_locking(access, false, true);
+  file_ = H5Fcreate(out_.temporary_path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
   if (file_ < 0) fail("/");
   write_text_attribute("/", "schema", "physmas/" + record + "/1");
   write_text_attribute("/", "provenance", compact_text(to_json(provenance, folder_of(path))));
@@ -266,7 +266,7 @@ Hdf5Writer::~Hdf5Writer() {
 }
 
 void Hdf5Writer::fail(const std::string& where) const {
-  throw Error(ExitCode::invalid_input, path_ + ": cannot be written (" + where + "): is the disk full?");
+  throw Error(ExitCode::invalid_input, path_ + ": cannot be written (" + where + "): is the disk full, or memory?");
 }
 
 namespace {
@@ -301,9 +301,11 @@ void Hdf5Writer::write(const std::string& name, const std::vector<uint64_t>& sha
   const Handle links(link_properties());
   const Handle properties(dataset_properties(chunked ? dims : std::vector<hsize_t>(), chunked));
   const Handle space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr));
-  const Handle dataset(H5Dcreate2(file_, name.c_str(), file_type<T>(), space, links, properties, H5P_DEFAULT));
-  if (!dataset.ok() || (count > 0 && H5Dwrite(dataset, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
+  Handle dataset(H5Dcreate2(file_, name.c_str(), file_type<T>(), space, links, properties, H5P_DEFAULT));
+  if (!dataset.ok() || (count > 0 && H5Dwrite(dataset, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) ||
+      !dataset.close())
     fail(name);
+  note(name, data, count * sizeof(T));
 }
 
 void Hdf5Writer::write_float(const std::string& d, const std::vector<uint64_t>& s, const float* data, bool c) {
@@ -326,12 +328,13 @@ void Hdf5Writer::create_series(const std::string& name, const std::vector<uint64
   const Handle links(link_properties());
   const Handle properties(dataset_properties(chunk, true));
   const Handle space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), limit.data()));
-  const Handle dataset(H5Dcreate2(file_, name.c_str(), H5T_IEEE_F32LE, space, links, properties, H5P_DEFAULT));
-  if (!dataset.ok()) fail(name);
+  Handle dataset(H5Dcreate2(file_, name.c_str(), H5T_IEEE_F32LE, space, links, properties, H5P_DEFAULT));
+  if (!dataset.ok() || !dataset.close()) fail(name);
+  note(name, nullptr, 0);
 }
 
 void Hdf5Writer::append_slab(const std::string& name, const float* data) {
-  const Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT));
+  Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT));
   if (!dataset.ok()) fail(name);
   std::vector<uint64_t> shape = shape_of(dataset);
   std::vector<hsize_t> extent(shape.begin(), shape.end()), offset(shape.size(), 0), slab(shape.begin(), shape.end());
@@ -342,7 +345,10 @@ void Hdf5Writer::append_slab(const std::string& name, const float* data) {
   const Handle space(H5Dget_space(dataset));
   H5Sselect_hyperslab(space, H5S_SELECT_SET, offset.data(), nullptr, slab.data(), nullptr);
   const Handle memory(H5Screate_simple(static_cast<int>(slab.size()), slab.data(), nullptr));
-  if (H5Dwrite(dataset, H5T_NATIVE_FLOAT, memory, space, H5P_DEFAULT, data) < 0) fail(name);
+  if (H5Dwrite(dataset, H5T_NATIVE_FLOAT, memory, space, H5P_DEFAULT, data) < 0 || !dataset.close()) fail(name);
+  hsize_t count = 1;
+  for (const hsize_t n : slab) count *= n;
+  note(name, data, count * sizeof(float));
 }
 
 void Hdf5Writer::make_group(const std::string& group) {
@@ -351,17 +357,19 @@ void Hdf5Writer::make_group(const std::string& group) {
   // Groups must not carry the time of their creation.
   const Handle properties(H5Pcreate(H5P_GROUP_CREATE));
   H5Pset_obj_track_times(properties, false);
-  const Handle g(H5Gcreate2(file_, group.c_str(), links, properties, H5P_DEFAULT));
-  if (!g.ok()) fail(group);
+  Handle g(H5Gcreate2(file_, group.c_str(), links, properties, H5P_DEFAULT));
+  if (!g.ok() || !g.close()) fail(group);
 }
 
 void Hdf5Writer::write_attribute(const std::string& object, const std::string& name,
                                  const std::vector<double>& values) {
   const hsize_t count = values.size();
   const Handle space(count == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, nullptr));
-  const Handle attribute(H5Acreate_by_name(file_, object.c_str(), name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT,
-                                           H5P_DEFAULT, H5P_DEFAULT));
-  if (!attribute.ok() || H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()) < 0) fail(object + "/@" + name);
+  Handle attribute(H5Acreate_by_name(file_, object.c_str(), name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT,
+                                     H5P_DEFAULT, H5P_DEFAULT));
+  if (!attribute.ok() || H5Awrite(attribute, H5T_NATIVE_DOUBLE, values.data()) < 0 || !attribute.close())
+    fail(object + "/@" + name);
+  attributes_.push_back({object, name, values, ""});
 }
 
 void Hdf5Writer::write_text_attribute(const std::string& object, const std::string& name, const std::string& text) {
@@ -369,15 +377,49 @@ void Hdf5Writer::write_text_attribute(const std::string& object, const std::stri
   H5Tset_size(type, text.size() + 1);
   H5Tset_cset(type, H5T_CSET_UTF8);
   const Handle space(H5Screate(H5S_SCALAR));
-  const Handle attribute(
+  Handle attribute(
       H5Acreate_by_name(file_, object.c_str(), name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
-  if (!attribute.ok() || H5Awrite(attribute, type, text.c_str()) < 0) fail(object + "/@" + name);
+  if (!attribute.ok() || H5Awrite(attribute, type, text.c_str()) < 0 || !attribute.close()) fail(object + "/@" + name);
+  attributes_.push_back({object, name, {}, text});
+}
+
+void Hdf5Writer::note(const std::string& dataset, const void* data, size_t size) {
+  Sum& sum = sums_[dataset];
+  sum.bytes += size;
+  if (size > 0) sum.crc = static_cast<uint32_t>(crc32_z(sum.crc, static_cast<const Bytef*>(data), size));
+}
+
+// The library may swallow what the system says (version 1.10 does), so the file is compared with what it was given.
+void Hdf5Writer::compare(int64_t file) const {
+  std::map<std::string, Sum> there;
+  walk_hdf5(file, path_, [&](const std::string& dataset, const void* bytes, size_t size) {
+    Sum& sum = there[dataset];
+    sum.bytes += size;
+    sum.crc = static_cast<uint32_t>(crc32_z(sum.crc, static_cast<const Bytef*>(bytes), size));
+  });
+  const Hdf5Reader reader(path_, file);
+  for (const auto& [name, sum] : sums_) {
+    if (!reader.exists(name)) fail(name);
+    const auto found = there.find(name);
+    const Sum read = found == there.end() ? Sum() : found->second;
+    if (read.bytes != sum.bytes || read.crc != sum.crc) fail(name);
+  }
+  for (const Attribute& a : attributes_) {
+    const bool same = a.values.empty() ? reader.read_text_attribute(a.object, a.name) == a.text
+                                       : reader.read_attribute(a.object, a.name, a.values.size()) == a.values;
+    if (!same) fail(a.object + "/@" + a.name);
+  }
 }
 
 bool Hdf5Writer::commit() {
   const herr_t closed = H5Fclose(file_);
   file_ = -1;
   if (closed < 0) fail("/");
+  try {
+    inspect_hdf5(out_.temporary_path(), record_, [this](hid_t file) { compare(file); });
+  } catch (const Error&) {
+    fail("what it holds is not what was written");
+  }
   return out_.commit();
 }
 

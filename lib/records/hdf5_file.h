@@ -4,6 +4,7 @@
 #define PHYSMAS_RECORDS_HDF5_FILE_H
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,8 +14,9 @@
 
 namespace physmas {
 
-// Reads one file. Every method throws an Error (exit code 3) that names the file, the dataset, what was found and
-// what was expected: missing or cut files, missing datasets, other types, other shapes, values that are not finite.
+// Reads one file, after a look at all of it in a process of its own (records/hdf5_check.h). Every method throws an
+// Error (exit code 3) that names the file, the dataset, what was found and what was expected: missing or cut files,
+// missing datasets, other types, other shapes, values that are not finite.
 class Hdf5Reader {
  public:
   // record: the expected value of the root attribute `schema`, without "physmas/" and "/1".
@@ -25,6 +27,8 @@ class Hdf5Reader {
 
   const std::string& path() const { return path_; }
   bool exists(const std::string& name) const;
+  // Refuses a file with another dataset than these, by path; none of them has to be there.
+  void allow_only(const std::vector<std::string>& datasets) const;
   // Names of the links in a group, sorted.
   std::vector<std::string> names_in(const std::string& group) const;
   std::vector<uint64_t> shape(const std::string& dataset) const;
@@ -47,13 +51,18 @@ class Hdf5Reader {
   Error invalid(const std::string& where, const std::string& found, const std::string& expected) const;
 
  private:
+  friend class Hdf5Writer;
+  // Of a file that is open already, and stays so.
+  Hdf5Reader(const std::string& path, int64_t file);
   template <class T>
   std::vector<T> read(const std::string& dataset, const std::vector<uint64_t>& expected, uint64_t limit) const;
-  std::string path_;
+  void add_datasets(const std::string& group, std::vector<std::string>& names) const;
+  std::string path_, record_;
   int64_t file_ = -1;
 };
 
-// Writes one file, atomically: nothing appears until commit().
+// Writes one file, atomically: nothing appears until commit(), which reads the file back and compares it with what it
+// was given. What cannot be written is an Error (exit code 3).
 class Hdf5Writer {
  public:
   // Writes the root attributes `schema` and `provenance` (as JSON text).
@@ -82,10 +91,24 @@ class Hdf5Writer {
   bool commit();
 
  private:
+  struct Sum {
+    uint64_t bytes = 0;
+    uint32_t crc = 0;
+  };
+  struct Attribute {
+    std::string object, name;
+    std::vector<double> values;  // or
+    std::string text;
+  };
   template <class T>
   void write(const std::string& dataset, const std::vector<uint64_t>& shape, const T* data, bool compress);
+  // What a dataset is given.
+  void note(const std::string& dataset, const void* data, size_t size);
+  void compare(int64_t file) const;
   [[noreturn]] void fail(const std::string& where) const;
-  std::string path_;
+  std::map<std::string, Sum> sums_;
+  std::vector<Attribute> attributes_;
+  std::string path_, record_;
   AtomicFile out_;
   int64_t file_ = -1;
 };

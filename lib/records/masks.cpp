@@ -64,6 +64,13 @@ std::vector<ViewMasks> load_masks(const std::string& path, const Inventory& inve
     }
   }
   std::vector<ViewMasks> views;
+  std::vector<std::string> datasets;
+  for (const std::string& name : view_names) {
+    for (const InventoryObject& object : inventory.objects)
+      datasets.push_back("/views/" + name + "/objects/" + object.id);
+    for (const InventoryRow& row : inventory.rows) datasets.push_back("/views/" + name + "/rows/" + row.key());
+  }
+  file.allow_only(datasets);
   for (const std::string& name : view_names) {
     const std::string group = "/views/" + name;
     if (!file.exists(group)) throw file.invalid(group, "nothing", "masks of this view");

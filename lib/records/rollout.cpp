@@ -28,6 +28,7 @@ void RolloutWriter::commit() {
 }
 
 RolloutReader::RolloutReader(const std::string& path, uint64_t gaussian_count) : file_(path, "rollout") {
+  file_.allow_only({"/frames/time", "/frames/position", "/frames/F", "/frames/velocity"});
   times_ = file_.read_float("/frames/time", {UINT64_MAX}, 100000);
   const uint64_t frames = times_.size();
   const auto check = [&](const char* dataset, uint64_t width) {

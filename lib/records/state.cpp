@@ -112,6 +112,9 @@ std::vector<double> State::volume_per_row() const {
 
 State load_state(const std::string& path, const Inventory* inventory) {
   const Hdf5Reader file(path, "state");
+  file.allow_only({"/gaussians/object", "/gaussians/row", "/gaussians/confidence", "/particles/position",
+                   "/particles/volume", "/particles/row", "/particles/object", "/particles/source",
+                   "/carriers/gaussian", "/carriers/rest", "/carriers/particle", "/carriers/weight"});
   State state;
   const Json keys = list_attribute(file, "rows");
   for (const Json& key : keys) state.row_keys.push_back(text_of(file, "/@rows", key));

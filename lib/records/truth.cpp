@@ -20,6 +20,7 @@ void save_truth(const std::string& path, const std::vector<int32_t>& row, const 
 
 std::vector<int32_t> load_truth(const std::string& path, const Inventory& inventory, size_t count) {
   const Hdf5Reader file(path, "truth");
+  file.allow_only({kDataset});
   const std::vector<int32_t> truth = file.read_int(kDataset, {count});
   const int rows = static_cast<int>(inventory.rows.size());
   for (const int32_t row : truth) {

@@ -96,9 +96,9 @@ RunSummary summarise_run(const std::string& folder) {
 std::string run_table(const std::vector<RunSummary>& runs) {
   std::string table = "scene\tresult\tcandidate\trounds\tcandidates\tQ\tseconds\tsimulate_s\trender_s\treason\n";
   for (const RunSummary& r : runs) {
-    table += fmt::format("{}\t{}\t{}\t{}\t{}\t{:.4f}\t{:.2f}\t{:.2f}\t{:.2f}\t{}\n", r.name, r.result,
-                         r.candidate.empty() ? "-" : r.candidate, r.rounds, r.candidates, r.score, r.seconds,
-                         r.simulate_seconds, r.render_seconds, one_line(r.reason));
+    table += fmt::format("{}\t{}\t{}\t{}\t{}\t{:.4f}\t{:.2f}\t{:.2f}\t{:.2f}\t{}\n", one_line(r.name),
+                         one_line(r.result), r.candidate.empty() ? "-" : one_line(r.candidate), r.rounds, r.candidates,
+                         r.score, r.seconds, r.simulate_seconds, r.render_seconds, one_line(r.reason));
   }
   return table;
 }

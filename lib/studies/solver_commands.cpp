@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/log.h"
+#include "base/output.h"
 #include "records/json.h"
 #include "studies/accuracy_report.h"
 #include "studies/commands.h"
@@ -48,7 +49,7 @@ int accuracy(const AccuracyOptions& options, const PaperStep& paper_step, Device
       fmt::format("pm-eval accuracy --out DIR{}{} --threads {}", options.quick ? " --quick" : "",
                   options.only.empty() ? "" : " --case " + options.only, threads);
   write_accuracy(options.out, studies, plan, command, provenance);
-  fmt::print("{}", accuracy_table(studies));
+  print("{}", accuracy_table(studies));
   return 0;
 }
 
@@ -74,7 +75,7 @@ int verification(const VerificationOptions& options, const Device& device) {
   provenance.tool = "pm-eval";
   provenance.options = {{"metric", "verification"}, {"quick", options.quick ? "yes" : "no"}};
   save_record(options.out, "verification", provenance, json);
-  fmt::print("{}", verification_table(rows));
+  print("{}", verification_table(rows));
   return 0;
 }
 
@@ -96,12 +97,12 @@ int stability(const StabilityOptions& options, const PaperStep& paper_step, cons
   provenance.tool = "pm-eval";
   provenance.options = {{"metric", "stability"}, {"cases", options.quick ? "quick" : "all"}};
   write_stability(options.out, runs, paper_step, watch.seconds(), provenance);
-  fmt::print("{:<11} {:<6} {:<7} {:>6} {:>7} {:>9} {:>8} {:>17}\n", "study", "rule", "", "runs", "stable", "diverged",
-             "garbage", "latest detection");
+  print("{:<11} {:<6} {:<7} {:>6} {:>7} {:>9} {:>8} {:>17}\n", "study", "rule", "", "runs", "stable", "diverged",
+        "garbage", "latest detection");
   long bad = 0;
   for (const StabilityCount& c : count_stability(runs)) {
-    fmt::print("{:<11} {:<6} {:<7} {:>6} {:>7} {:>9} {:>8} {:>17}\n", c.study, c.rule, c.precision, c.runs, c.stable,
-               c.diverged, c.garbage, c.latest);
+    print("{:<11} {:<6} {:<7} {:>6} {:>7} {:>9} {:>8} {:>17}\n", c.study, c.rule, c.precision, c.runs, c.stable,
+          c.diverged, c.garbage, c.latest);
     bad += c.garbage + (c.rule == "cfl" ? c.diverged : 0);
   }
   if (bad == 0) return 0;

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "base/file.h"
+#include "base/output.h"
 #include "records/json.h"
 #include "tables/commands.h"
 #include "tables/suite.h"
@@ -21,7 +22,7 @@ int check_suite(const SuiteOptions& options) {
   const Suite suite = load_suite(options.suite);
   if (options.registers) {
     register_suite(suite);
-    fmt::print("{} files registered\n", suite.hashes.size());
+    print("{} files registered\n", suite.hashes.size());
   }
   require_registered(suite);
   if (!options.makefile.empty()) write_file(options.makefile, suite_makefile(suite, options.cases));

@@ -4,12 +4,18 @@
 
 #include <algorithm>
 
+#include "base/error.h"
+#include "base/printable.h"
+
 namespace physmas::tables {
 namespace {
 
+// Names of methods come from outside: in every form of the table they are text and nothing else, on one line.
+constexpr size_t kMostBytes = 1000;  // of a name
+
 std::string latex_text(const std::string& text) {
   std::string out;
-  for (const char c : text) {
+  for (const char c : one_line(text, kMostBytes)) {
     if (c == '\\') {
       out += "\\textbackslash{}";
     } else if (c == '~' || c == '^') {
@@ -25,12 +31,25 @@ std::string latex_text(const std::string& text) {
 
 std::string markdown_text(const std::string& text) {
   std::string out;
-  for (const char c : text) out += c == '|' ? "\\|" : std::string(1, c == '\n' ? ' ' : c);
+  for (const char c : one_line(text, kMostBytes)) {
+    // Raw HTML, then what Markdown itself reads as more than a letter.
+    if (c == '<') {
+      out += "&lt;";
+    } else if (c == '>') {
+      out += "&gt;";
+    } else if (c == '&') {
+      out += "&amp;";
+    } else {
+      if (std::string("\\`*_[]|~").find(c) != std::string::npos) out += '\\';
+      out += c;
+    }
+  }
   return out;
 }
 
 // A field that a spreadsheet would take for a formula gets an apostrophe.
-std::string csv_text(std::string text) {
+std::string csv_text(const std::string& name) {
+  std::string text = printable(name);
   if (!text.empty() && std::string("=+-@").find(text[0]) != std::string::npos) text = "'" + text;
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -94,7 +113,7 @@ std::string Table::latex() const {
 }
 
 std::string Table::markdown() const {
-  std::string text = caption + "\n\n| " + markdown_text(corner) + " |", rule = "|---|";
+  std::string text = markdown_text(caption) + "\n\n| " + markdown_text(corner) + " |", rule = "|---|";
   for (const Column& column : columns) {
     text += " " + markdown_text(full_name(column)) + " |";
     rule += "---|";

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/output.h"
 #include "tables/aggregate.h"
 #include "tables/commands.h"
 
@@ -47,12 +48,12 @@ int aggregate(const AggregateOptions& options) {
   for (const Table& table : tables) {
     write_table(options.out, table);
     if (table.has_numbers()) {
-      fmt::print("{}\n", table.markdown());
+      print("{}\n", table.markdown());
     } else {
       empty += (empty.empty() ? "" : ", ") + table.name;
     }
   }
-  if (!empty.empty()) fmt::print("Nothing was measured for {}.\n", empty);
+  if (!empty.empty()) print("Nothing was measured for {}.\n", empty);
   return 0;
 }
 

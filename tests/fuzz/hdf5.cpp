@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "guard.h"
+#include "records/hdf5_check.h"
 #include "records/masks.h"
 #include "records/rollout.h"
 #include "records/state.h"
@@ -162,6 +163,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const Scratch scratch;
   static const std::string path = scratch / "input.h5";
   static const Inventory inventory = lollipop();
+  check_hdf5_in_this_process();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   // The library clears half a megabyte for every file that it opens; so it is kept from one input to the next.
   H5set_free_list_limits(-1, -1, -1, -1, -1, -1);

@@ -1,0 +1,117 @@
+#include "base/machine_limits.h"
+
+#include <errno.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <mutex>
+#include <new>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "base/half_files.h"
+
+namespace physmas {
+namespace {
+
+constexpr const char* kNoMemory =
+    "out of memory; use fewer --threads, fewer particles, a smaller grid or smaller images";
+constexpr const char* kNoThread =
+    "a thread cannot be started: the machine's limit is reached; use fewer with --threads 1";
+
+bool g_watching = false;
+
+// Without memory of its own.
+[[noreturn]] void end_suddenly(const char* text, ExitCode code) {
+  remove_half_files();
+  char line[2200];
+  const int size = std::snprintf(line, sizeof line, "%s: error: %s\n", program_invocation_short_name, text);
+  const size_t bytes = size < 0                                  ? 0
+                       : static_cast<size_t>(size) < sizeof line ? static_cast<size_t>(size)
+                                                                 : sizeof line - 1;
+  if (::write(STDERR_FILENO, line, bytes) < 0) ::_exit(static_cast<int>(code));
+  ::_exit(static_cast<int>(code));
+}
+
+// An exception that nothing catches.
+[[noreturn]] void end_by_exception() {
+  try {
+    if (std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const Error& error) {
+    end_suddenly(error.what(), error.code());
+  } catch (const std::bad_alloc&) {
+    end_suddenly(kNoMemory, ExitCode::invalid_input);
+  } catch (const std::system_error&) {
+    end_suddenly(kNoThread, ExitCode::invalid_input);
+  } catch (const std::exception& exception) {
+    char text[2000];
+    std::snprintf(text, sizeof text, "internal fault: %s", exception.what());
+    end_suddenly(text, ExitCode::internal);
+  } catch (...) {
+  }
+  end_suddenly("internal fault: an unknown exception", ExitCode::internal);
+}
+
+// OpenMP's runtime has said in a line of its own what it lacks: a thread or memory.
+void end_by_exit() {
+  if (g_watching)
+    end_suddenly("too few threads or too little memory; use fewer with --threads 1", ExitCode::invalid_input);
+}
+
+}  // namespace
+
+Error out_of_memory() {
+  return Error(ExitCode::invalid_input, kNoMemory);
+}
+
+Error no_thread() {
+  return Error(ExitCode::invalid_input, kNoThread);
+}
+
+void require_threads(int threads) {
+  std::mutex mutex;
+  std::condition_variable wake;
+  bool over = false;
+  std::vector<std::thread> started;
+  bool all = true;
+  try {
+    started.reserve(static_cast<size_t>(threads));
+    for (int i = 1; i < threads; ++i) {
+      started.emplace_back([&] {
+        std::unique_lock<std::mutex> lock(mutex);
+        wake.wait(lock, [&] { return over; });
+      });
+    }
+  } catch (const std::system_error&) {
+    all = false;
+  } catch (const std::bad_alloc&) {
+    all = false;
+  }
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    over = true;
+  }
+  wake.notify_all();
+  for (std::thread& thread : started) thread.join();
+  if (!all) throw no_thread();
+}
+
+bool report_uncaught_exceptions() {
+  std::set_terminate(end_by_exception);
+  return true;
+}
+
+ForeignExits::ForeignExits() {
+  static const bool registered = std::atexit(end_by_exit) == 0;
+  g_watching = registered;
+}
+
+ForeignExits::~ForeignExits() {
+  g_watching = false;
+}
+
+}  // namespace physmas

@@ -1,0 +1,34 @@
+// Memory and threads that the machine does not give: how a tool says so and ends, whichever code notices.
+#ifndef PHYSMAS_BASE_MACHINE_LIMITS_H
+#define PHYSMAS_BASE_MACHINE_LIMITS_H
+
+#include <string>
+
+#include "base/error.h"
+
+namespace physmas {
+
+// Exit code 3: the machine is a place that lacks something.
+Error out_of_memory();
+Error no_thread();
+
+// Starts that many threads and ends them again. The runtime of OpenMP ends the process by itself where it gets none, so
+// this is tried first. Error as above.
+void require_threads(int threads);
+
+// An exception that nothing catches, as one out of a parallel region, is reported in one line from here on, removes
+// half-written files and ends with the exit code of what went wrong. True.
+bool report_uncaught_exceptions();
+
+// While it lives, the exit of OpenMP's runtime, which lacks a thread or memory, ends in the same way. One at a time.
+class ForeignExits {
+ public:
+  ForeignExits();
+  ~ForeignExits();
+  ForeignExits(const ForeignExits&) = delete;
+  ForeignExits& operator=(const ForeignExits&) = delete;
+};
+
+}  // namespace physmas
+
+#endif

@@ -1,0 +1,49 @@
+// What every use of the HDF5 C library in this room shares.
+#ifndef PHYSMAS_RECORDS_HDF5_HANDLE_H
+#define PHYSMAS_RECORDS_HDF5_HANDLE_H
+
+#include <hdf5.h>
+
+namespace physmas {
+
+// Closes an HDF5 identifier of any kind when it goes out of scope.
+class Handle {
+ public:
+  explicit Handle(hid_t id) : id_(id) {}
+  ~Handle() { close(); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+  bool ok() const { return id_ >= 0; }
+  // Now, with what closing says: what was written may leave the library's caches only here. False after an error.
+  bool close() {
+    const bool closed = id_ < 0 || H5Idec_ref(id_) >= 0;
+    id_ = -1;
+    return closed;
+  }
+
+ private:
+  hid_t id_;
+};
+
+// Called before any other use of the library. Our messages replace what it would print to stderr by itself.
+inline void prepare_hdf5() {
+  // After a failed flush (a full disk) the library's exit handler would try again and crash. Every file is closed by
+  // its owner here, so nothing is left for that handler to do. It must be switched off before the library starts.
+  static const herr_t no_exit_handler = H5dont_atexit();
+  static_cast<void>(no_exit_handler);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+// For reading; negative where the library refuses the file.
+inline hid_t open_hdf5(const char* path) {
+  prepare_hdf5();
+  // Locking fails on read-only and some network file systems, and nothing here writes in place.
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS));
+  H5Pset_file_locking(access, false, true);
+  return H5Fopen(path, H5F_ACC_RDONLY, access);
+}
+
+}  // namespace physmas
+
+#endif
