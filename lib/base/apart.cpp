@@ -43,6 +43,7 @@ std::string read_all(int fd) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU})
     ::signal(signal, SIG_DFL);
+  std::set_new_handler(nullptr);
   const struct rlimit time = {static_cast<rlim_t>(seconds), static_cast<rlim_t>(seconds) + 1}, no_core = {0, 0};
   ::setrlimit(RLIMIT_CPU, &time);
   ::setrlimit(RLIMIT_CORE, &no_core);

@@ -139,7 +139,7 @@ bool Command::parsed() const {
 namespace {
 
 // Before main(), whose first lines can run out of memory.
-[[maybe_unused]] const bool kReported = report_uncaught_exceptions();
+[[maybe_unused]] const bool kReported = report_sudden_ends();
 
 // Exceptions are for the caller.
 int parse_and_work(int argc, char** argv, const ToolMain& tool) {
@@ -214,8 +214,9 @@ int run_tool(int argc, char** argv, const ToolMain& tool) {
   } catch (const std::exception& e) {
     const auto* from_system = dynamic_cast<const std::system_error*>(&e);
     const bool thread = from_system != nullptr && from_system->code() == std::errc::resource_unavailable_try_again;
-    // OpenCV's threads (TBB) have no better way to say it than their text.
+    // OpenCV and its threads (TBB) have no better way to say it than their texts.
     if (thread || std::strstr(e.what(), "pthread_create") != nullptr) return report(no_thread());
+    if (std::strstr(e.what(), "Insufficient memory") != nullptr) return report(out_of_memory());
     return report(internal_error(e.what()));
   }
 }

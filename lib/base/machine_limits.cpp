@@ -1,6 +1,8 @@
 #include "base/machine_limits.h"
 
 #include <errno.h>
+#include <signal.h>
+#include <string.h>
 #include <unistd.h>
 
 #include <condition_variable>
@@ -13,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/foreign_lines.h"
 #include "base/half_files.h"
 
 namespace physmas {
@@ -33,7 +36,7 @@ bool g_watching = false;
   const size_t bytes = size < 0                                  ? 0
                        : static_cast<size_t>(size) < sizeof line ? static_cast<size_t>(size)
                                                                  : sizeof line - 1;
-  if (::write(STDERR_FILENO, line, bytes) < 0) ::_exit(static_cast<int>(code));
+  if (::write(standard_error(), line, bytes) < 0) ::_exit(static_cast<int>(code));
   ::_exit(static_cast<int>(code));
 }
 
@@ -54,6 +57,19 @@ bool g_watching = false;
   } catch (...) {
   }
   end_suddenly("internal fault: an unknown exception", ExitCode::internal);
+}
+
+// Memory that neither new nor a library that uses it got.
+[[noreturn]] void end_without_memory() {
+  end_suddenly(kNoMemory, ExitCode::invalid_input);
+}
+
+// Libraries that do not look whether they got memory, and faults of ours.
+void end_by_signal(int signal) {
+  char text[200];
+  std::snprintf(text, sizeof text, "internal fault: %s; it may be that memory ran out: use fewer --threads",
+                sigdescr_np(signal));
+  end_suddenly(text, ExitCode::internal);
 }
 
 // OpenMP's runtime has said in a line of its own what it lacks: a thread or memory.
@@ -100,8 +116,20 @@ void require_threads(int threads) {
   if (!all) throw no_thread();
 }
 
-bool report_uncaught_exceptions() {
+bool report_sudden_ends() {
   std::set_terminate(end_by_exception);
+  std::set_new_handler(end_without_memory);
+#ifndef __SANITIZE_ADDRESS__
+  // On a stack of its own, for when the usual one is full.
+  alignas(16) static char stack[64 << 10];
+  stack_t other = {};
+  other.ss_sp = stack;
+  other.ss_size = sizeof stack;
+  struct sigaction action = {};
+  action.sa_handler = end_by_signal;
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | (sigaltstack(&other, nullptr) == 0 ? SA_ONSTACK : 0);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigaction(signal, &action, nullptr);
+#endif
   return true;
 }
 

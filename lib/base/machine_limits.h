@@ -16,9 +16,9 @@ Error no_thread();
 // this is tried first. Error as above.
 void require_threads(int threads);
 
-// An exception that nothing catches, as one out of a parallel region, is reported in one line from here on, removes
-// half-written files and ends with the exit code of what went wrong. True.
-bool report_uncaught_exceptions();
+// From here on an exception that nothing catches (one out of a parallel region), memory that runs out and a signal that a
+// fault raises are reported in one line, remove half-written files and end with the exit code of what went wrong. True.
+bool report_sudden_ends();
 
 // While it lives, the exit of OpenMP's runtime, which lacks a thread or memory, ends in the same way. One at a time.
 class ForeignExits {

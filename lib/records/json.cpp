@@ -11,40 +11,101 @@
 namespace physmas {
 namespace {
 
-constexpr int kMaxDepth = 64;
+constexpr size_t kMaxDepth = 64;
+constexpr size_t kMostKeys = 4096;  // of an object; looking for one of them takes time in proportion
 constexpr size_t kMaxBytes = size_t{256} << 20;
 
-// Refuses duplicate keys and deep nesting while nlohmann's parser builds the document.
-class StrictCallback {
- public:
-  explicit StrictCallback(const std::string& file) : file_(file) {}
+std::string line_and_column(const std::string& text, size_t byte);
 
-  bool operator()(int depth, Json::parse_event_t event, const Json& parsed) {
-    if (depth > kMaxDepth) {
-      throw invalid_input({file_, "", "JSON nested deeper than " + std::to_string(kMaxDepth), "a shallower document"});
-    }
-    switch (event) {
-      case Json::parse_event_t::object_start:
-        keys_.emplace_back();
-        break;
-      case Json::parse_event_t::object_end:
-        keys_.pop_back();
-        break;
-      case Json::parse_event_t::key:
-        if (!keys_.back().insert(parsed.get<std::string>()).second) {
-          throw invalid_input(
-              {file_, "\"" + parsed.get<std::string>() + "\"", "the same key twice in one object", "each key once"});
-        }
-        break;
-      default:
-        break;
-    }
+// Builds the document from what nlohmann's parser meets, and refuses duplicate keys, deep nesting and long objects on
+// the way. Not the parser's own builder: that looks through all keys of an object for each further one.
+class StrictBuilder : public nlohmann::json_sax<Json> {
+ public:
+  StrictBuilder(const std::string& text, const std::string& file) : text_(text), file_(file) {}
+
+  Json document;
+
+  bool null() override { return add(nullptr); }
+  bool boolean(bool value) override { return add(value); }
+  bool number_integer(number_integer_t value) override { return add(value); }
+  bool number_unsigned(number_unsigned_t value) override { return add(value); }
+  bool number_float(number_float_t value, const string_t&) override { return add(value); }
+  bool string(string_t& value) override { return add(std::move(value)); }
+  bool binary(binary_t&) override { throw internal_error("binary data in JSON text"); }
+
+  bool start_object(std::size_t) override {
+    open(add_place(Json::object()));
+    keys_.emplace_back();
+    return true;
+  }
+  bool key(string_t& key) override {
+    std::set<std::string>& keys = keys_.back();
+    if (!keys.insert(key).second)
+      throw invalid_input({file_, "\"" + key + "\"", "the same key twice in one object", "each key once"});
+    if (keys.size() > kMostKeys)
+      throw invalid_input({file_, "\"" + key + "\"", fmt::format("more than {} keys in one object", kMostKeys),
+                           "fewer keys, or a list"});
+    key_ = std::move(key);
+    return true;
+  }
+  bool end_object() override {
+    keys_.pop_back();
+    open_.pop_back();
+    return true;
+  }
+  bool start_array(std::size_t) override {
+    open(add_place(Json::array()));
+    return true;
+  }
+  bool end_array() override {
+    open_.pop_back();
     return true;
   }
 
+  bool parse_error(std::size_t byte, const std::string& token, const Json::exception& error) override {
+    const std::string where = line_and_column(text_, byte);
+    const std::string what = error.what();
+    if (dynamic_cast<const Json::out_of_range*>(&error) != nullptr)
+      throw invalid_input({file_, where, "a number out of range, " + one_line(token, 60), "finite numbers"});
+    const size_t detail = what.find(": ");
+    throw invalid_input(
+        {file_, where, "malformed JSON", "valid JSON", detail == std::string::npos ? what : what.substr(detail + 2)});
+  }
+
  private:
-  std::string file_;
-  std::vector<std::set<std::string>> keys_;
+  template <class Value>
+  bool add(Value&& value) {
+    add_place(Json(std::forward<Value>(value)));
+    return true;
+  }
+
+  // Where the value now is. Nothing is added to what is around it while it is open, so it stays there.
+  Json* add_place(Json value) {
+    if (open_.empty()) {
+      document = std::move(value);
+      return &document;
+    }
+    Json& parent = *open_.back();
+    if (parent.is_array()) {
+      auto& items = parent.get_ref<Json::array_t&>();
+      items.push_back(std::move(value));
+      return &items.back();
+    }
+    Json::object_t::Container& fields = parent.get_ref<Json::object_t&>();
+    fields.emplace_back(std::move(key_), std::move(value));
+    return &fields.back().second;
+  }
+
+  void open(Json* place) {
+    open_.push_back(place);
+    if (open_.size() > kMaxDepth)
+      throw invalid_input({file_, "", fmt::format("JSON nested deeper than {}", kMaxDepth), "a shallower document"});
+  }
+
+  const std::string& text_;
+  std::string file_, key_;
+  std::vector<Json*> open_;
+  std::vector<std::set<std::string>> keys_;  // of each open object
 };
 
 void refuse_non_finite(const Json& json, const std::string& pointer) {
@@ -83,19 +144,9 @@ std::string compact_text(const Json& json) {
 }
 
 Json parse_json(const std::string& text, const std::string& file) {
-  // nlohmann copies its callback, so the state lives outside.
-  StrictCallback strict(file);
-  try {
-    return Json::parse(
-        text, [&strict](int depth, Json::parse_event_t event, Json& parsed) { return strict(depth, event, parsed); });
-  } catch (const Json::parse_error& e) {
-    const std::string what = e.what();
-    const size_t detail = what.find(": ");
-    throw invalid_input({file, line_and_column(text, e.byte), "malformed JSON", "valid JSON",
-                         detail == std::string::npos ? what : what.substr(detail + 2)});
-  } catch (const Json::out_of_range& e) {
-    throw invalid_input({file, "", "a number out of range", "finite numbers", e.what()});
-  }
+  StrictBuilder builder(text, file);
+  Json::sax_parse(text, &builder);
+  return std::move(builder.document);
 }
 
 Error invalid_field(const std::string& file, const std::string& pointer, const Json& found, const std::string& expected,

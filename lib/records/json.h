@@ -11,8 +11,9 @@
 
 namespace physmas {
 
-// Parses `text`. Refuses malformed JSON (with line and column), duplicate keys, numbers that are not finite, nesting
-// deeper than 64, each with exit code 3. `file` is only named in messages.
+// Parses `text`, in time in proportion to its length. Refuses malformed JSON and numbers out of range (with line and
+// column), duplicate keys, objects of more than 4096 keys, nesting deeper than 64, each with exit code 3. `file` is only
+// named in messages.
 Json parse_json(const std::string& text, const std::string& file);
 
 // Reads the record `physmas/<record>/1` and validates it against schemas/<record>.json. Every violation is an Error

@@ -11,6 +11,8 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/foreign_lines.h"
+#include "base/log.h"
 
 namespace physmas {
 namespace {
@@ -158,13 +160,17 @@ Image decode_image(const std::string& bytes, const std::string& path) {
   if (!png && !jpeg) throw invalid_input({path, "byte 0", "neither a PNG nor a JPEG signature", "a PNG or JPEG image"});
   png ? check_png(path, bytes) : check_jpeg(path, bytes);
   cv::Mat decoded;
+  ForeignLines foreign;
   try {
     const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
     decoded = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception& error) {
     throw invalid_input({path, "", one_line(error.err), "a decodable image"});
   }
-  if (decoded.empty()) throw invalid_input({path, "", "data that cannot be decoded", "a whole PNG or JPEG image"});
+  const std::string lines = one_line(foreign.take(), 200);
+  if (decoded.empty())
+    throw invalid_input({path, "", "data that cannot be decoded", "a whole PNG or JPEG image", lines});
+  if (!lines.empty()) log_info(path + ": read, although " + lines);
   if (decoded.depth() == CV_16U) decoded.convertTo(decoded, CV_8U, 1 / 257.0);
   if (decoded.depth() != CV_8U || decoded.channels() == 2) {
     throw invalid_input({path, "", "an unusual pixel format", "8 or 16 bits; grey, RGB or RGBA"});

@@ -1,10 +1,11 @@
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <cerrno>
 
 #include "base/error.h"
+#include "base/file.h"
+#include "base/machine_limits.h"
 #include "splat/libav.h"
 #include "splat/video.h"
 
@@ -23,6 +24,7 @@ struct VideoReader::State {
   ~State() { avformat_close_input(&format); }
 
   int check(int result, const std::string& field, const char* expected) const {
+    if (result == AVERROR(ENOMEM)) throw out_of_memory();
     if (result < 0) throw invalid_input({path, field, libav_text(result), expected});
     return result;
   }
@@ -36,8 +38,7 @@ struct VideoReader::State {
 
 void VideoReader::State::open() {
   silence_libav();
-  struct stat status;
-  if (stat(path.c_str(), &status) != 0) throw system_error(path, "cannot be read", errno);
+  regular_file_size(path);
   // Nothing but local mp4 files: a playlist or a reference could make libav open something else.
   AVDictionary* options = nullptr;
   av_dict_set(&options, "format_whitelist", "mov,mp4,m4a,3gp,3g2,mj2", 0);
@@ -52,7 +53,7 @@ void VideoReader::State::open() {
   decoder.reset(avcodec_alloc_context3(codec));
   packet.reset(av_packet_alloc());
   frame.reset(av_frame_alloc());
-  if (!decoder || !packet || !frame) throw internal_error("no memory to decode " + path);
+  if (!decoder || !packet || !frame) throw out_of_memory();
   check(avcodec_parameters_to_context(decoder.get(), stream->codecpar), "", "a decodable video stream");
   decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
   check(avcodec_open2(decoder.get(), codec, nullptr), "", "a decodable video stream");

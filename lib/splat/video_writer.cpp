@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstring>
 #include <optional>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/machine_limits.h"
 #include "splat/libav.h"
 #include "splat/video.h"
 
@@ -40,18 +42,25 @@ struct VideoWriter::State {
     avformat_free_context(format);
   }
 
-  // Faults of the file are the user's to mend (a full disk), all others are ours.
+  // Faults of the file are the user's to mend (a full disk), those of memory the machine's, all others are ours.
   int check_file(int result) const {
+    if (result == AVERROR(ENOMEM)) throw out_of_memory();
     if (result < 0) throw Error(ExitCode::invalid_input, path + ": cannot be written: " + libav_text(result));
     return result;
   }
   int check(int result, const char* doing) const {
+    if (result == AVERROR(ENOMEM)) throw out_of_memory();
     if (result < 0) throw internal_error(fmt::format("{}: {}: {}", path, doing, libav_text(result)));
     return result;
   }
   template <typename T>
   T* require(T* pointer, const char* what) const {
     if (pointer == nullptr) throw internal_error(fmt::format("{}: no {}", path, what));
+    return pointer;
+  }
+  template <typename T>
+  static T* allocated(T* pointer) {
+    if (pointer == nullptr) throw out_of_memory();
     return pointer;
   }
 
@@ -63,7 +72,7 @@ struct VideoWriter::State {
 
 void VideoWriter::State::open_encoder(double fps) {
   const AVCodec* codec = require(avcodec_find_encoder_by_name("libx264"), "H.264 encoder (libx264) in libavcodec");
-  encoder.reset(require(avcodec_alloc_context3(codec), "memory"));
+  encoder.reset(allocated(avcodec_alloc_context3(codec)));
   encoder->width = even(width);
   encoder->height = even(height);
   encoder->pix_fmt = AV_PIX_FMT_YUV420P;
@@ -81,8 +90,8 @@ void VideoWriter::State::open_encoder(double fps) {
   check(av_opt_set(encoder->priv_data, "x264-params", "cpu-independent=1", 0), "H.264 encoder");
   check(avcodec_open2(encoder.get(), codec, nullptr), "H.264 encoder");
 
-  rgb.reset(require(av_frame_alloc(), "memory"));
-  yuv.reset(require(av_frame_alloc(), "memory"));
+  rgb.reset(allocated(av_frame_alloc()));
+  yuv.reset(allocated(av_frame_alloc()));
   for (AVFrame* frame : {rgb.get(), yuv.get()}) {
     frame->format = frame == rgb.get() ? AV_PIX_FMT_RGB24 : AV_PIX_FMT_YUV420P;
     frame->width = encoder->width;
@@ -95,7 +104,7 @@ void VideoWriter::State::open_encoder(double fps) {
       "converter to yuv420p"));
   const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
   check(sws_setColorspaceDetails(scaler.get(), bt709, 1, bt709, 0, 0, 1 << 16, 1 << 16), "BT.709 conversion");
-  packet.reset(require(av_packet_alloc(), "memory"));
+  packet.reset(allocated(av_packet_alloc()));
 }
 
 void VideoWriter::State::open_file() {
@@ -104,7 +113,7 @@ void VideoWriter::State::open_file() {
   const std::string url = "file:" + file->temporary_path();
   check(avformat_alloc_output_context2(&format, nullptr, "mp4", url.c_str()), "mp4 container");
   format->flags |= AVFMT_FLAG_BITEXACT;  // no library version in the file
-  stream = require(avformat_new_stream(format, nullptr), "memory");
+  stream = allocated(avformat_new_stream(format, nullptr));
 
   // x264 describes itself in a user-data message (NAL unit type 6): not part of the picture, and not the same after
   // an upgrade.

@@ -108,7 +108,7 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
   run_make SET="time.frames=4000 time.rule=cfl" >log 2>&1 3>&- &
   started=$!
   until half=$(compgen -G 'run/rollouts/.*.h5.*.tmp') || ! kill -0 "$started"; do sleep 0.02; done
-  [[ "$half" =~ ^run/rollouts/\.(.*)\.h5\.([0-9]+)\.tmp$ ]] || { cat log; kill "$started"; return 1; }
+  [[ "$half" =~ ^run/rollouts/\.(.*)\.h5\.([0-9]+)\.[0-9]+\.[0-9a-f]+\.tmp$ ]] || { cat log; kill "$started"; return 1; }
   candidate=${BASH_REMATCH[1]}
   kill -KILL "${BASH_REMATCH[2]}"
   status=0

@@ -4,7 +4,8 @@
 usage: walk.py BIN LIBRARY [--sample N] [--tools pm-lift,...] [--kinds write,...] [--seconds S] [--keep FOLDER]
 
 A tool that meets the fault either ends well with the bytes that it has without the fault, or with exit code 3 and one line
-"TOOL: error: ..."; no signal, no temporary file, no output with other bytes. --sample: at most N calls of each kind and tool
+"TOOL: error: ..."; no signal, no temporary file, no output with other bytes. Where a library uses memory that it did not get,
+exit code 70 and a line that says so. --sample: at most N calls of each kind and tool
 (first, last, and evenly between), else all of them; of memory and maps at most 200, because there are tens of thousands.
 --seconds: of each run. Prints a line per tool and kind; exit code 1 where one of them did not hold.
 """
@@ -154,7 +155,7 @@ class Walk:
         try:
             done = subprocess.run(words(STAGES[stage][0], self.arguments.binaries), cwd=folder, env=environment,
                                   capture_output=True, timeout=self.arguments.seconds)
-            faults = self.judge(folder, stage, done)
+            faults = self.judge(folder, stage, kind, done)
             ended = 'done' if done.returncode == 0 else 'refused'
         except subprocess.TimeoutExpired:
             faults, ended = [f'no end within {self.arguments.seconds} s'], 'hung'
@@ -163,7 +164,7 @@ class Walk:
         self.restore(folder, stage)
         return ended, faults
 
-    def judge(self, folder, stage, done):
+    def judge(self, folder, stage, kind, done):
         faults = []
         tool = STAGES[stage][0].split(' ')[0]
         lines = done.stderr.decode(errors='replace').splitlines()
@@ -171,7 +172,7 @@ class Walk:
         there = files_of(folder, STAGES[stage][1])
         if done.returncode == 0:
             faults += [f'exit 0 without {name}' for name in wanted if name not in there]
-        elif done.returncode == 3:
+        elif done.returncode == 3 or (done.returncode == 70 and kind == 'memory' and 'memory ran out' in '\n'.join(lines)):
             errors = [line for line in lines if line.startswith(f'{tool}: error: ')]
             if len(errors) != 1:
                 faults.append(f'{len(errors)} lines of error: {lines}')

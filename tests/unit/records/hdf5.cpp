@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 #include <hdf5.h>
 
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <limits>
 
@@ -295,4 +297,81 @@ TEST_CASE("hdf5: masks name unknown views, objects and rows") {
   CHECK(message_of([&] {
           load_masks(folder / "m.h5", inventory, {"front", "back"});
         }).find("unknown row key") != std::string::npos);
+}
+
+TEST_CASE("hdf5: a file on which the library crashes is refused in one line") {
+  const TemporaryFolder folder;
+  CHECK(message_of([&] { load_state("tests/data/damaged-state.h5"); }).find("damaged-state.h5: ") != std::string::npos);
+}
+
+TEST_CASE("hdf5: data, groups and links stay in the file") {
+  const TemporaryFolder folder;
+  // A good file to which `add` adds.
+  const auto error = [&](const std::function<void(hid_t)>& add) {
+    const std::string path = folder / "s.h5";
+    save_state(path, small_state(), test_provenance());
+    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    add(file);
+    H5Fclose(file);
+    return message_of([&] { load_state(path); });
+  };
+  CHECK(error([](hid_t) {}) == "no error");
+  CHECK(error([](hid_t file) {
+          H5Lcreate_soft("/particles/volume", file, "/gaussians/v", H5P_DEFAULT, H5P_DEFAULT);
+        }).find("/gaussians/v: found a soft link") != std::string::npos);
+  CHECK(error([](hid_t file) {
+          H5Lcreate_external("o.h5", "/x", file, "/gaussians/v", H5P_DEFAULT, H5P_DEFAULT);
+        }).find("/gaussians/v: found a link to another file") != std::string::npos);
+  CHECK(error([](hid_t file) {
+          H5Lcreate_hard(file, "/", file, "/gaussians/up", H5P_DEFAULT, H5P_DEFAULT);
+        }).find("groups nested deeper") != std::string::npos);
+  const auto dataset = [](hid_t file, const char* name, hid_t properties, hid_t type = H5T_IEEE_F32LE) {
+    const hsize_t count = 5;
+    const hid_t space = H5Screate_simple(1, &count, nullptr);
+    H5Dclose(H5Dcreate2(file, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT));
+    H5Sclose(space);
+  };
+  CHECK(error([&](hid_t file) {
+          const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+          H5Pset_external(properties, "secret.bin", 0, 20);
+          H5Ldelete(file, "/particles/volume", H5P_DEFAULT);
+          dataset(file, "/particles/volume", properties);
+          H5Pclose(properties);
+        }).find("/particles/volume: found data in another file") != std::string::npos);
+  CHECK(error([&](hid_t file) {
+          const hsize_t count = 5;
+          const hid_t properties = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate_simple(1, &count, nullptr);
+          H5Pset_virtual(properties, space, "other.h5", "/x", space);
+          H5Ldelete(file, "/particles/volume", H5P_DEFAULT);
+          dataset(file, "/particles/volume", properties);
+          H5Sclose(space);
+          H5Pclose(properties);
+        }).find("/particles/volume: found a virtual dataset") != std::string::npos);
+  CHECK(error([&](hid_t file) {
+          dataset(file, "/particles/mass", H5P_DEFAULT);
+        }).find("/particles/mass: found an unknown dataset") != std::string::npos);
+}
+
+TEST_CASE("hdf5: a file is compared with what it was given before it appears") {
+  const TemporaryFolder folder;
+  const std::vector<float> values(4096, 1.5f);
+  const auto written = [&](const std::function<void(const std::string&)>& spoil) {
+    return message_of([&] {
+      Hdf5Writer out(folder / "r.h5", "rollout", test_provenance());
+      out.write_float("/frames/time", {4096}, values.data(), false);
+      for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+        if (entry.path().filename().string()[0] == '.') spoil(entry.path());
+      }
+      out.commit();
+    });
+  };
+  CHECK(written([](const std::string&) {}) == "no error");
+  std::filesystem::remove(folder / "r.h5");
+  // The data lie in the file already; what is written into it from outside, the library does not see.
+  CHECK(written([&](const std::string& half) {
+          std::fstream file(half, std::ios::in | std::ios::out | std::ios::binary);
+          file.seekp(12000);
+          file.write("\xff\xff", 2);
+        }).find("is not what was written") != std::string::npos);
+  CHECK(std::filesystem::is_empty(folder.path()));
 }

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <ctime>
+
 #include "base/file.h"
 #include "records/candidate.h"
 #include "records/inventory.h"
@@ -44,6 +46,36 @@ TEST_CASE("records: malformed JSON is refused with line and column") {
   CHECK(contains(message_of([] { parse_json("{\"a\": NaN}", "f.json"); }), "malformed"));
 }
 
+TEST_CASE("records: a number out of range has its place") {
+  CHECK(contains(message_of([] { parse_json("{\n \"a\": [1, 1e999]}", "f.json"); }),
+                 "f.json: line 2, column 15: found a number out of range, 1e999"));
+}
+
+TEST_CASE("records: many keys are refused by their number, and what is read takes time in proportion") {
+  const auto object_of = [](int keys) {
+    std::string text = "{";
+    for (int i = 0; i < keys; ++i) text += (i == 0 ? "\"k" : ",\"k") + std::to_string(i) + "\":" + std::to_string(i);
+    return text + "}";
+  };
+  CHECK(contains(message_of([&] { parse_json(object_of(300000), "f.json"); }), "found more than 4096 keys"));
+  const Json most = parse_json(object_of(4096), "f.json");
+  CHECK(most.size() == 4096);
+  CHECK(most.at("k4095") == 4095);
+  // Many objects of many keys: a search for each key took minutes.
+  std::string list = "[";
+  for (int i = 0; i < 64; ++i) list += (i == 0 ? "" : ",") + object_of(4096);
+  const auto start = std::clock();
+  CHECK(parse_json(list + "]", "f.json").size() == 64);
+  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  CHECK(seconds < 10);
+}
+
+TEST_CASE("records: JSON keeps order and kinds") {
+  const std::string text = R"({"b":[1,-2,2.5,true,null,"x",{}],"a":{"z":[],"y":18446744073709551615}})";
+  CHECK(parse_json(text, "f").dump() == text);
+  for (const char* one : {"1", "\"x\"", "[]", "null"}) CHECK(parse_json(one, "f").dump() == one);
+}
+
 TEST_CASE("records: duplicate keys and deep nesting are refused") {
   CHECK(contains(message_of([] { parse_json(R"({"a": {"b": 1, "b": 2}})", "f.json"); }), "same key twice"));
   CHECK(parse_json(R"({"a": {"b": 1}, "c": {"b": 2}})", "f.json").size() == 2);
@@ -60,7 +92,10 @@ TEST_CASE("records: the inventory's schema and its references") {
   CHECK(contains(inventory_error([](Json& j) { j["rows"][0]["name"] = 5; }), "/rows/0/name: found 5"));
   CHECK(contains(inventory_error([](Json& j) { j["rows"][1]["part"] = "plate"; }), "/rows/1/part: found \"plate\""));
   CHECK(contains(inventory_error([](Json& j) { j["rows"][1]["object"] = "pie"; }), "/rows/1/object: found \"pie\""));
-  CHECK(contains(inventory_error([](Json& j) { j["rows"][0]["part"] = "../x"; }), "/rows/0/part"));
+  CHECK(
+      contains(inventory_error([](Json& j) { j["rows"][0]["part"] = "../x"; }),
+               "/rows/0/part: found \"../x\", expected what schemas/inventory.json allows; an identifier of lower-case "
+               "letters, digits and dashes"));
   CHECK(contains(inventory_error([](Json& j) { j["objects"].push_back(j["objects"][0]); }), "/objects/1/id"));
   CHECK(contains(inventory_error([](Json& j) {
                    j["objects"].push_back({{"id", "pie"}, {"name", "pie"}});

@@ -183,6 +183,14 @@ TEST_CASE("eval: tables escape what their format reads") {
   CHECK(table.latex().rfind("\\midrule") > table.latex().find("Alpha"));
   table.rows[0].label = "=a|b,\"c\"";
   CHECK(table.markdown().find("=a\\|b") != std::string::npos);
+  // Raw HTML, emphasis, links, code; what a terminal would obey.
+  table.rows[1].label = "<img src=x>*b*[c](d)`e`\x1b[31m\xc2\x9b\n\xe2\x80\xae";
+  CHECK(table.markdown().find("| &lt;img src=x&gt;\\*b\\*\\[c\\](d)\\`e\\` \\[31m? ? |") != std::string::npos);
+  for (const std::string& text : {table.markdown(), table.latex(), table.csv()}) {
+    CHECK(text.find('\x1b') == std::string::npos);
+    CHECK(text.find("\xc2\x9b") == std::string::npos);
+    CHECK(text.find("\xe2\x80\xae") == std::string::npos);
+  }
   CHECK(table.csv().find("\"'=a|b,\"\"c\"\"\",0.1,") != std::string::npos);
 }
 
