@@ -5,10 +5,8 @@
 
 #include <CLI/CLI.hpp>
 #include <csignal>
-#include <cstring>
-#include <new>
+#include <optional>
 #include <sstream>
-#include <system_error>
 #include <utility>
 
 #include "base/error.h"
@@ -209,14 +207,8 @@ int run_tool(int argc, char** argv, const ToolMain& tool) {
     return parse_and_work(argc, argv, tool);
   } catch (const Error& e) {
     return report(e);
-  } catch (const std::bad_alloc&) {
-    return report(out_of_memory());
   } catch (const std::exception& e) {
-    const auto* from_system = dynamic_cast<const std::system_error*>(&e);
-    const bool thread = from_system != nullptr && from_system->code() == std::errc::resource_unavailable_try_again;
-    // OpenCV and its threads (TBB) have no better way to say it than their texts.
-    if (thread || std::strstr(e.what(), "pthread_create") != nullptr) return report(no_thread());
-    if (std::strstr(e.what(), "Insufficient memory") != nullptr) return report(out_of_memory());
+    if (const std::optional<Error> limit = limit_behind(e)) return report(*limit);
     return report(internal_error(e.what()));
   }
 }

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <memory>
+#include <new>
 #include <vector>
 
 #include "base/error.h"
@@ -17,7 +18,8 @@ namespace {
 class Sha256 {
  public:
   Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
-    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) throw internal_error("SHA-256");
+    // Nothing else can go wrong than that there is no memory.
+    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) throw std::bad_alloc();
   }
   void update(const void* data, size_t size) {
     if (EVP_DigestUpdate(context_.get(), data, size) != 1) throw internal_error("SHA-256");

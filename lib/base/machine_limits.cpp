@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <mutex>
 #include <new>
@@ -36,6 +37,10 @@ bool g_watching = false;
   const size_t bytes = size < 0                                  ? 0
                        : static_cast<size_t>(size) < sizeof line ? static_cast<size_t>(size)
                                                                  : sizeof line - 1;
+  // One line, whatever the text.
+  for (size_t i = 0; i + 1 < bytes; ++i) {
+    if (static_cast<unsigned char>(line[i]) < 0x20) line[i] = ' ';
+  }
   if (::write(standard_error(), line, bytes) < 0) ::_exit(static_cast<int>(code));
   ::_exit(static_cast<int>(code));
 }
@@ -46,11 +51,8 @@ bool g_watching = false;
     if (std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
   } catch (const Error& error) {
     end_suddenly(error.what(), error.code());
-  } catch (const std::bad_alloc&) {
-    end_suddenly(kNoMemory, ExitCode::invalid_input);
-  } catch (const std::system_error&) {
-    end_suddenly(kNoThread, ExitCode::invalid_input);
   } catch (const std::exception& exception) {
+    if (const std::optional<Error> limit = limit_behind(exception)) end_suddenly(limit->what(), limit->code());
     char text[2000];
     std::snprintf(text, sizeof text, "internal fault: %s", exception.what());
     end_suddenly(text, ExitCode::internal);
@@ -86,6 +88,16 @@ Error out_of_memory() {
 
 Error no_thread() {
   return Error(ExitCode::invalid_input, kNoThread);
+}
+
+std::optional<Error> limit_behind(const std::exception& exception) {
+  const auto* from_system = dynamic_cast<const std::system_error*>(&exception);
+  if (from_system != nullptr && from_system->code() == std::errc::resource_unavailable_try_again) return no_thread();
+  if (dynamic_cast<const std::bad_alloc*>(&exception) != nullptr) return out_of_memory();
+  // OpenCV and its threads (TBB) have no better way to say it than their texts.
+  if (std::strstr(exception.what(), "pthread_create") != nullptr) return no_thread();
+  if (std::strstr(exception.what(), "Insufficient memory") != nullptr) return out_of_memory();
+  return std::nullopt;
 }
 
 void require_threads(int threads) {

@@ -226,6 +226,7 @@ void inspect_hdf5(const std::string& path, const std::string& record, const std:
       throw invalid_input({path, "", "a file that HDF5 cannot open (cut short, or another format)", expected});
     look(file);
   };
+  prepare_hdf5();
   if (!g_apart) return open_and_look();
   const Ending ending =
       run_apart(open_and_look, kSeconds + static_cast<int>(std::min(megabytes * kSecondsPerMegabyte, 1e6)));

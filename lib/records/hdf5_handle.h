@@ -27,22 +27,10 @@ class Handle {
 };
 
 // Called before any other use of the library. Our messages replace what it would print to stderr by itself.
-inline void prepare_hdf5() {
-  // After a failed flush (a full disk) the library's exit handler would try again and crash. Every file is closed by
-  // its owner here, so nothing is left for that handler to do. It must be switched off before the library starts.
-  static const herr_t no_exit_handler = H5dont_atexit();
-  static_cast<void>(no_exit_handler);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
+void prepare_hdf5();
 
 // For reading; negative where the library refuses the file.
-inline hid_t open_hdf5(const char* path) {
-  prepare_hdf5();
-  // Locking fails on read-only and some network file systems, and nothing here writes in place.
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS));
-  H5Pset_file_locking(access, false, true);
-  return H5Fopen(path, H5F_ACC_RDONLY, access);
-}
+hid_t open_hdf5(const char* path);
 
 }  // namespace physmas
 

@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "base/foreign_lines.h"
 #include "base/log.h"
+#include "base/machine_limits.h"
 
 namespace physmas {
 namespace {
@@ -53,13 +54,15 @@ std::string encode(const cv::Mat& pixels) {
   // Stated, so that a change of OpenCV's defaults does not change our bytes.
   const std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 4, cv::IMWRITE_PNG_STRATEGY,
                                        cv::IMWRITE_PNG_STRATEGY_DEFAULT};
+  // A picture of ours can be encoded, unless there is no memory; OpenCV's libraries would print a line of their own
+  // then.
+  const ForeignLines kept;
   bool encoded = false;
   try {
     encoded = cv::imencode(".png", pixels, bytes, parameters);
-  } catch (const cv::Exception& error) {
-    throw internal_error(fmt::format("PNG encoder: {}", error.what()));
+  } catch (const cv::Exception&) {
   }
-  if (!encoded) throw internal_error("the PNG encoder refused the image");
+  if (!encoded) throw out_of_memory();
   return std::string(bytes.begin(), bytes.end());
 }
 

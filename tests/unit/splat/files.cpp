@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 #include <omp.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <csignal>
@@ -197,6 +198,9 @@ TEST_CASE("video: damaged and foreign files are refused") {
     CHECK(error_of([&] { count_decodable_frames(path); }).find("v.mp4") != std::string::npos);
   }
   write_file(path, "no video");
+  // libav would wait for somebody who writes.
+  REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  CHECK(error_of([&] { count_decodable_frames(folder / "pipe"); }).find("found a pipe") != std::string::npos);
   CHECK(error_of([&] { count_decodable_frames(path); }) != "");
   CHECK(error_of([&] { count_decodable_frames(folder / "none.mp4"); }).find("No such file") != std::string::npos);
 }
