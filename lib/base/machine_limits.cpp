@@ -67,7 +67,7 @@ bool g_watching = false;
 }
 
 // Libraries that do not look whether they got memory, and faults of ours.
-void end_by_signal(int signal) {
+void end_by_fault(int signal) {
   char text[200];
   std::snprintf(text, sizeof text, "internal fault: %s; it may be that memory ran out: use fewer --threads",
                 sigdescr_np(signal));
@@ -138,7 +138,7 @@ bool report_sudden_ends() {
   other.ss_sp = stack;
   other.ss_size = sizeof stack;
   struct sigaction action = {};
-  action.sa_handler = end_by_signal;
+  action.sa_handler = end_by_fault;
   action.sa_flags = static_cast<int>(SA_RESETHAND) | (sigaltstack(&other, nullptr) == 0 ? SA_ONSTACK : 0);
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) sigaction(signal, &action, nullptr);
 #endif
