@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/foreign_lines.h"
 #include "base/machine_limits.h"
 #include "splat/libav.h"
 #include "splat/video.h"
@@ -53,6 +54,14 @@ struct VideoWriter::State {
     if (result < 0) throw internal_error(fmt::format("{}: {}: {}", path, doing, libav_text(result)));
     return result;
   }
+  // x264 prints a line about memory that it did not get, and libav names no reason.
+  template <typename Call>
+  int call_encoder(const Call& call) const {
+    ForeignLines kept;
+    const int result = call();
+    if (result < 0 && kept.take().find("malloc") != std::string::npos) throw out_of_memory();
+    return result;
+  }
   template <typename T>
   T* require(T* pointer, const char* what) const {
     if (pointer == nullptr) throw internal_error(fmt::format("{}: no {}", path, what));
@@ -88,7 +97,7 @@ void VideoWriter::State::open_encoder(double fps) {
   av_opt_set(encoder->priv_data, "crf", kQuality, 0);
   // Without this, x264's AVX-512 routines for rate control gave different bytes from run to run, even on one thread.
   check(av_opt_set(encoder->priv_data, "x264-params", "cpu-independent=1", 0), "H.264 encoder");
-  check(avcodec_open2(encoder.get(), codec, nullptr), "H.264 encoder");
+  check(call_encoder([&] { return avcodec_open2(encoder.get(), codec, nullptr); }), "H.264 encoder");
 
   rgb.reset(allocated(av_frame_alloc()));
   yuv.reset(allocated(av_frame_alloc()));
@@ -137,9 +146,9 @@ void VideoWriter::State::open_file() {
 }
 
 void VideoWriter::State::encode(const AVFrame* frame) {
-  check(avcodec_send_frame(encoder.get(), frame), "H.264 encoder");
+  check(call_encoder([&] { return avcodec_send_frame(encoder.get(), frame); }), "H.264 encoder");
   for (;;) {
-    const int result = avcodec_receive_packet(encoder.get(), packet.get());
+    const int result = call_encoder([&] { return avcodec_receive_packet(encoder.get(), packet.get()); });
     if (result == AVERROR_EOF) {
       mux(nullptr);
       return;
