@@ -40,6 +40,8 @@ namespace {
 constexpr size_t kMaxName = 64;  // bytes of an id
 constexpr double kFloorFriction = 0.45;
 constexpr double kFloorRoom = 2;  // cells between the lower wall and the floor that we add
+// A second simulation of a scene of few particles may take more substeps than the default: a minute on one core.
+constexpr double kRetryParticleSteps = 2e9, kMostSubsteps = 1e9;
 constexpr double kOutputFov = 40, kOutputMargin = 0.12;
 
 // "My Guitar.compressed.ply" -> "my-guitar".
@@ -154,6 +156,11 @@ RunSpecification run_for(const ImportOptions& options, Json json, const Gaussian
   }
   // A captured scene may have any material; whoever imports one wants a video rather than the paper's step.
   if (!json.contains("/time/on_divergence"_json_pointer)) json["time"]["on_divergence"] = "cfl";
+  if (!json.contains("/time/retry_substeps"_json_pointer)) {
+    const double particles = static_cast<double>(std::max<size_t>(1, given.particles.simulated(gaussians.size())));
+    const double substeps = std::min(kRetryParticleSteps / particles, kMostSubsteps);
+    json["time"]["retry_substeps"] = std::max(given.time.retry_substeps, static_cast<int>(substeps));
+  }
   // What stands in a capture has stood, and is not to sag first. Nothing changes for what starts in the air.
   if (!json.contains("/time/start"_json_pointer)) json["time"]["start"] = "equilibrium";
   RunSpecification run = run_specification_from(json, file, "");
