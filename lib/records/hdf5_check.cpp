@@ -115,6 +115,7 @@ class Walk {
   void dataset(hid_t dataset, const std::string& name) {
     check_layout(dataset, name);
     const Handle type(H5Dget_type(dataset)), space(H5Dget_space(dataset));
+    if (!type.ok() || !space.ok()) throw error(name, "a type or shape that cannot be read (damaged)", "a dataset");
     const H5T_class_t type_class = H5Tget_class(type);
     const size_t size = H5Tget_size(type);
     // No numbers of ours, so that no reader asks for them: the reader says so, and which it expects.
@@ -123,7 +124,7 @@ class Walk {
     if (rank < 0 || rank > H5S_MAX_RANK) throw error(name, "a shape that cannot be read (damaged)", "a dataset");
     if (rank == 0) return;
     std::vector<hsize_t> shape(static_cast<size_t>(rank));
-    H5Sget_simple_extent_dims(space, shape.data(), nullptr);
+    must(H5Sget_simple_extent_dims(space, shape.data(), nullptr));
     uint64_t count = 1;
     for (const hsize_t n : shape) {
       if (n != 0 && count > kMostNumbers / n) throw error(name, "more than 2^31 numbers", "at most 2^31 elements");
@@ -141,8 +142,8 @@ class Walk {
       std::vector<hsize_t> offset(shape.size(), 0), extent = shape;
       offset[0] = row;
       extent[0] = std::min(step, shape[0] - row);
-      H5Sselect_hyperslab(space, H5S_SELECT_SET, offset.data(), nullptr, extent.data(), nullptr);
-      const Handle memory(H5Screate_simple(rank, extent.data(), nullptr));
+      must(H5Sselect_hyperslab(space, H5S_SELECT_SET, offset.data(), nullptr, extent.data(), nullptr));
+      const Handle memory(must(H5Screate_simple(rank, extent.data(), nullptr)));
       // With the file's own type nothing is converted.
       if (H5Dread(dataset, type, memory, space, H5P_DEFAULT, block.data()) < 0)
         throw error(name, "data that cannot be read (cut short or corrupt)", "a whole dataset");
@@ -180,6 +181,7 @@ class Walk {
     const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT));
     if (!attribute.ok()) throw error(where, "an attribute that cannot be read (damaged)", "an attribute");
     const Handle type(H5Aget_type(attribute)), space(H5Aget_space(attribute));
+    if (!type.ok() || !space.ok()) throw error(where, "a type or shape that cannot be read (damaged)", "an attribute");
     const hssize_t count = H5Sget_simple_extent_npoints(space);
     const size_t size = H5Tget_size(type);
     switch (H5Tget_class(type)) {

@@ -46,10 +46,10 @@ const char* type_name() {
 }
 
 std::vector<uint64_t> shape_of(hid_t dataset) {
-  const Handle space(H5Dget_space(dataset));
-  const int rank = H5Sget_simple_extent_ndims(space);
-  std::vector<hsize_t> dims(std::max(rank, 0));
-  if (rank > 0) H5Sget_simple_extent_dims(space, dims.data(), nullptr);
+  const Handle space(must(H5Dget_space(dataset)));
+  const int rank = must(H5Sget_simple_extent_ndims(space));
+  std::vector<hsize_t> dims(rank);
+  if (rank > 0) must(H5Sget_simple_extent_dims(space, dims.data(), nullptr));
   return {dims.begin(), dims.end()};
 }
 
@@ -94,11 +94,17 @@ Error Hdf5Reader::invalid(const std::string& where, const std::string& found, co
 }
 
 bool Hdf5Reader::exists(const std::string& name) const {
+  const auto is_there = [&](const std::string& path) {
+    const htri_t there = H5Lexists(file_, path.c_str(), H5P_DEFAULT);
+    // Not "no": a mask that cannot be looked for is not one that is not there.
+    if (there < 0) throw invalid(path, "a link that cannot be read", "a group or dataset, or nothing");
+    return there > 0;
+  };
   // H5Lexists wants every group on the way to exist.
   for (size_t slash = name.find('/', 1); slash != std::string::npos; slash = name.find('/', slash + 1)) {
-    if (H5Lexists(file_, name.substr(0, slash).c_str(), H5P_DEFAULT) <= 0) return false;
+    if (!is_there(name.substr(0, slash))) return false;
   }
-  return H5Lexists(file_, name.c_str(), H5P_DEFAULT) > 0;
+  return is_there(name);
 }
 
 std::vector<std::string> Hdf5Reader::names_in(const std::string& group) const {
@@ -111,7 +117,7 @@ std::vector<std::string> Hdf5Reader::names_in(const std::string& group) const {
     const ssize_t size = H5Lget_name_by_idx(g, ".", H5_INDEX_NAME, H5_ITER_INC, i, nullptr, 0, H5P_DEFAULT);
     if (size < 0) throw invalid(group, "an unreadable link", "a group");
     std::string name(static_cast<size_t>(size) + 1, '\0');
-    H5Lget_name_by_idx(g, ".", H5_INDEX_NAME, H5_ITER_INC, i, &name[0], name.size(), H5P_DEFAULT);
+    must(H5Lget_name_by_idx(g, ".", H5_INDEX_NAME, H5_ITER_INC, i, &name[0], name.size(), H5P_DEFAULT));
     name.resize(static_cast<size_t>(size));
     names.push_back(name);
   }
@@ -122,7 +128,7 @@ void Hdf5Reader::add_datasets(const std::string& group, std::vector<std::string>
   for (const std::string& name : names_in(group)) {
     const std::string path = (group == "/" ? "" : group) + "/" + name;
     const Handle object(H5Oopen(file_, path.c_str(), H5P_DEFAULT));
-    if (H5Iget_type(object) == H5I_GROUP) {
+    if (H5Iget_type(must<hid_t>(object)) == H5I_GROUP) {
       add_datasets(path, names);
     } else {
       names.push_back(path);
@@ -202,9 +208,9 @@ std::vector<float> Hdf5Reader::read_float_slab(const std::string& name, uint64_t
   std::vector<hsize_t> offset(shape.size(), 0), extent(shape.begin(), shape.end());
   offset[0] = index;
   extent[0] = count;
-  const Handle space(H5Dget_space(dataset));
-  H5Sselect_hyperslab(space, H5S_SELECT_SET, offset.data(), nullptr, extent.data(), nullptr);
-  const Handle memory(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr));
+  const Handle space(must(H5Dget_space(dataset)));
+  must(H5Sselect_hyperslab(space, H5S_SELECT_SET, offset.data(), nullptr, extent.data(), nullptr));
+  const Handle memory(must(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr)));
   std::vector<float> values(elements);
   if (elements > 0 && H5Dread(dataset, H5T_NATIVE_FLOAT, memory, space, H5P_DEFAULT, values.data()) < 0) {
     throw invalid(name, "data that cannot be read (cut short or corrupt)", "a float32 dataset");
@@ -252,9 +258,9 @@ Hdf5Writer::Hdf5Writer(const std::string& path, const std::string& record, const
   prepare_hdf5();
   // Closing the file closes all that is in it: else what a failed close left open would keep the file from being
   // written.
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS));
-  H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-  H5Pset_file_locking(access, false, true);
+  const Handle access(must(H5Pcreate(H5P_FILE_ACCESS)));
+  must(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG));
+  must(H5Pset_file_locking(access, false, true));
   file_ = H5Fcreate(out_.temporary_path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
   if (file_ < 0) fail("/");
   write_text_attribute("/", "schema", "physmas/" + record + "/1");
@@ -272,19 +278,19 @@ void Hdf5Writer::fail(const std::string& where) const {
 namespace {
 
 hid_t link_properties() {
-  const hid_t properties = H5Pcreate(H5P_LINK_CREATE);
-  H5Pset_create_intermediate_group(properties, 1);
+  const hid_t properties = must(H5Pcreate(H5P_LINK_CREATE));
+  must(H5Pset_create_intermediate_group(properties, 1));
   return properties;
 }
 
 hid_t dataset_properties(const std::vector<hsize_t>& chunk, bool compress) {
-  const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
-  H5Pset_obj_track_times(properties, false);
+  const hid_t properties = must(H5Pcreate(H5P_DATASET_CREATE));
+  must(H5Pset_obj_track_times(properties, false));
   if (!chunk.empty()) {
-    H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
+    must(H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data()));
     if (compress) {
-      H5Pset_shuffle(properties);
-      H5Pset_deflate(properties, 1);
+      must(H5Pset_shuffle(properties));
+      must(H5Pset_deflate(properties, 1));
     }
   }
   return properties;
@@ -300,7 +306,7 @@ void Hdf5Writer::write(const std::string& name, const std::vector<uint64_t>& sha
   const bool chunked = compress && count >= 1024;
   const Handle links(link_properties());
   const Handle properties(dataset_properties(chunked ? dims : std::vector<hsize_t>(), chunked));
-  const Handle space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr));
+  const Handle space(must(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr)));
   Handle dataset(H5Dcreate2(file_, name.c_str(), file_type<T>(), space, links, properties, H5P_DEFAULT));
   if (!dataset.ok() || (count > 0 && H5Dwrite(dataset, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) ||
       !dataset.close())
@@ -327,7 +333,7 @@ void Hdf5Writer::create_series(const std::string& name, const std::vector<uint64
   }
   const Handle links(link_properties());
   const Handle properties(dataset_properties(chunk, true));
-  const Handle space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), limit.data()));
+  const Handle space(must(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), limit.data())));
   Handle dataset(H5Dcreate2(file_, name.c_str(), H5T_IEEE_F32LE, space, links, properties, H5P_DEFAULT));
   if (!dataset.ok() || !dataset.close()) fail(name);
   note(name, nullptr, 0);
@@ -342,9 +348,9 @@ void Hdf5Writer::append_slab(const std::string& name, const float* data) {
   slab[0] = 1;
   ++extent[0];
   if (H5Dset_extent(dataset, extent.data()) < 0) fail(name);
-  const Handle space(H5Dget_space(dataset));
-  H5Sselect_hyperslab(space, H5S_SELECT_SET, offset.data(), nullptr, slab.data(), nullptr);
-  const Handle memory(H5Screate_simple(static_cast<int>(slab.size()), slab.data(), nullptr));
+  const Handle space(must(H5Dget_space(dataset)));
+  must(H5Sselect_hyperslab(space, H5S_SELECT_SET, offset.data(), nullptr, slab.data(), nullptr));
+  const Handle memory(must(H5Screate_simple(static_cast<int>(slab.size()), slab.data(), nullptr)));
   if (H5Dwrite(dataset, H5T_NATIVE_FLOAT, memory, space, H5P_DEFAULT, data) < 0 || !dataset.close()) fail(name);
   hsize_t count = 1;
   for (const hsize_t n : slab) count *= n;
@@ -355,8 +361,8 @@ void Hdf5Writer::make_group(const std::string& group) {
   if (H5Lexists(file_, group.c_str(), H5P_DEFAULT) > 0) return;
   const Handle links(link_properties());
   // Groups must not carry the time of their creation.
-  const Handle properties(H5Pcreate(H5P_GROUP_CREATE));
-  H5Pset_obj_track_times(properties, false);
+  const Handle properties(must(H5Pcreate(H5P_GROUP_CREATE)));
+  must(H5Pset_obj_track_times(properties, false));
   Handle g(H5Gcreate2(file_, group.c_str(), links, properties, H5P_DEFAULT));
   if (!g.ok() || !g.close()) fail(group);
 }
@@ -373,10 +379,10 @@ void Hdf5Writer::write_attribute(const std::string& object, const std::string& n
 }
 
 void Hdf5Writer::write_text_attribute(const std::string& object, const std::string& name, const std::string& text) {
-  const Handle type(H5Tcopy(H5T_C_S1));
-  H5Tset_size(type, text.size() + 1);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  const Handle space(H5Screate(H5S_SCALAR));
+  const Handle type(must(H5Tcopy(H5T_C_S1)));
+  must(H5Tset_size(type, text.size() + 1));
+  must(H5Tset_cset(type, H5T_CSET_UTF8));
+  const Handle space(must(H5Screate(H5S_SCALAR)));
   Handle attribute(
       H5Acreate_by_name(file_, object.c_str(), name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
   if (!attribute.ok() || H5Awrite(attribute, type, text.c_str()) < 0 || !attribute.close()) fail(object + "/@" + name);

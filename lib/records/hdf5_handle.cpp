@@ -22,8 +22,8 @@ void prepare_hdf5() {
 hid_t open_hdf5(const char* path) {
   prepare_hdf5();
   // Locking fails on read-only and some network file systems, and nothing here writes in place.
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS));
-  H5Pset_file_locking(access, false, true);
+  const Handle access(must(H5Pcreate(H5P_FILE_ACCESS)));
+  must(H5Pset_file_locking(access, false, true));
   return H5Fopen(path, H5F_ACC_RDONLY, access);
 }
 

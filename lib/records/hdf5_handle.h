@@ -4,6 +4,8 @@
 
 #include <hdf5.h>
 
+#include <new>
+
 namespace physmas {
 
 // Closes an HDF5 identifier of any kind when it goes out of scope.
@@ -25,6 +27,13 @@ class Handle {
  private:
   hid_t id_;
 };
+
+// A call that fails for want of memory only: properties, types, spaces and selections of ours. What it returned.
+template <class Result>
+Result must(Result result) {
+  if (result < 0) throw std::bad_alloc();
+  return result;
+}
 
 // Called before any other use of the library. Our messages replace what it would print to stderr by itself.
 void prepare_hdf5();
