@@ -30,6 +30,18 @@ const char* other_kind(const struct stat& info) {
   return "a device";
 }
 
+// Without links and dots, as far as the path exists; empty where a folder on the way may not be looked into. An error
+// of the system (no memory) is an Error: it must not pass for another path.
+fs::path canonical(const std::string& path) {
+  std::error_code failure;
+  // Absolute first: weakly_canonical leaves a relative path relative when its first folder does not exist yet.
+  const fs::path absolute = fs::absolute(path, failure);
+  const fs::path whole = failure ? fs::path() : fs::weakly_canonical(absolute, failure);
+  if (!failure) return whole;
+  if (failure == std::errc::permission_denied || failure == std::errc::no_such_file_or_directory) return {};
+  throw system_error(path, "its place cannot be found", failure.value());
+}
+
 void require_regular(const std::string& path, const struct stat& info, const char* expected) {
   const char* kind = other_kind(info);
   if (*kind != '\0') throw invalid_input({path, "", kind, expected});
@@ -153,12 +165,10 @@ bool write_file(const std::string& path, const std::string& bytes) {
 }
 
 std::string portable_path(const std::string& path, const std::string& folder) {
-  std::error_code failure;
-  // Absolute first: weakly_canonical leaves a relative path relative when its first folder does not exist yet.
-  const fs::path whole = fs::weakly_canonical(fs::absolute(path, failure), failure);
-  const fs::path base = fs::weakly_canonical(fs::absolute(folder, failure), failure);
+  const fs::path whole = canonical(path), base = canonical(folder);
   const std::string relative = whole.lexically_relative(base).generic_string();
-  if (relative.empty() || relative.rfind("../../../", 0) == 0) return whole.filename().generic_string();
+  if (relative.empty() || relative.rfind("../../../", 0) == 0)
+    return (whole.empty() ? fs::path(path) : whole).filename().generic_string();
   return relative;
 }
 
@@ -173,10 +183,8 @@ std::string resolve_inside(const std::string& folder, const std::string& relativ
   }
   const std::string inside = (fs::path(folder) / normal).string();
   // A link that the bundle holds leads anywhere. What does not exist is for the reader to say.
-  std::error_code failure;
-  const fs::path target = fs::weakly_canonical(fs::absolute(inside, failure), failure);
-  const fs::path base = failure ? fs::path() : fs::weakly_canonical(fs::absolute(folder, failure), failure);
-  const std::string from_base = failure ? ".." : target.lexically_relative(base).generic_string();
+  const fs::path target = canonical(inside), base = canonical(folder);
+  const std::string from_base = target.lexically_relative(base).generic_string();
   if (from_base.empty() || from_base == ".." || from_base.rfind("../", 0) == 0) {
     throw invalid_input({file, field, "\"" + relative + "\", a link that leaves the bundle's folder",
                          "a file inside the bundle's folder", "copy the file into the bundle"});
