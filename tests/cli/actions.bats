@@ -9,6 +9,7 @@ setup() { enter_tiny_run; }
 run_prompt() {
   sed -i "s/\"prompt\": \"[^\"]*\"/\"prompt\": \"$1\"/" bundle/scene.json
   "$bin/pm-ground" --quiet --scene bundle/scene.json --out .
+  "$bin/pm-lift" --quiet --scene bundle/scene.json --inventory inventory.json --masks masks.h5 --out state.h5
   make_candidates
   "$bin/pm-simulate" --quiet --scene bundle/scene.json --state state.h5 --candidate candidates/support-stiff.json --out rollouts/support-stiff.h5 --frames 8
 }

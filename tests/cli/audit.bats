@@ -9,7 +9,7 @@ same_runs() { python3 -B "$root/tests/tools/compare_runs.py" "$@"; }
 make_run() {
   local folder=$1
   shift
-  (cd "$BATS_FILE_TMPDIR" && run_make run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z SPEC=spec.json RUN="$folder" "$@" 2>/dev/null)
+  env -C "$BATS_FILE_TMPDIR" -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -f "$root/pipelines/installed.mk" BIN="$bin" run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z SPEC=spec.json RUN="$folder" "$@" 2>/dev/null
 }
 
 setup_file() {
@@ -36,8 +36,9 @@ open(sys.argv[1], "wb").write(data)' "$@"
 
 # The files that the audit must know: all that a run makes, but requests, facts for make, and what is itself a root or has no record.
 recorded() {
-  (cd run && find . -type f -not -path './.stamps/*' -printf '%P\n' |
-    grep -vE '\.mk$|^(settings|changes|request|source|models|ground-models|accepted.json)$|^inputs/|^bundle/scene.json$' | sort)
+  find run -type f -not -path 'run/.stamps/*' -printf '%P\n' >files
+  grep -vE '\.mk$|^(settings|changes|request|source|models|ground-models|accepted.json)$|^inputs/|^bundle/scene.json$' files >chosen
+  sort chosen
 }
 
 @test "audit: two clean runs are equal, but for run times" {

@@ -188,10 +188,12 @@ scene=(run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z RUN=run SPEC=sp
   run in_tree clean BUILD="$PWD/other build"
   [ "$status" -eq 2 ]
   in_tree clean BUILD="$PWD/other"
-  [ ! -e other/obj ] && [ -d other/mine ] && [ -d "other build/obj" ] && [ -d "$root/build" ]
+  [ ! -e other/obj ]
+  for folder in other/mine "other build/obj" "$root/build"; do [ -d "$folder" ]; done
   in_tree install BUILD="$(dirname "$bin")" SAN="${PM_SAN:-0}" DESTDIR="$PWD/a b;touch canary" PREFIX='/$(shell touch canary)' >log
   [ -x "a b;touch canary/\$(shell touch canary)/bin/pm-scene" ]
-  [ ! -e canary ] && [ ! -e "$root/canary" ]
+  [ ! -e canary ]
+  [ ! -e "$root/canary" ]
   in_tree uninstall DESTDIR="$PWD/a b;touch canary" PREFIX='/$(shell touch canary)'
   [ -z "$(find "a b;touch canary" -type f)" ]
 }

@@ -201,7 +201,10 @@ PY
 }
 
 # No four letters of the key, in any case.
-refute_key() { refute grep -rliE 'sEcr|Ecre|cret|ret-|W0rd' --exclude=requests.log --exclude='.std*' . && refute grep -liE 'sEcr|Ecre|cret|W0rd' "$BATS_TEST_TMPDIR/.stderr"; }
+refute_key() {
+  refute grep -rliE 'sEcr|Ecre|cret|W0rd' --exclude=requests.log .
+  refute grep -liE 'sEcr|Ecre|cret|W0rd' "$BATS_TEST_TMPDIR/.stderr"
+}
 
 @test "remote: the key is masked in any case and spelling, before a text is cut" {
   export PM_API_KEY=sEcret-W0rd
@@ -215,7 +218,8 @@ refute_key() { refute grep -rliE 'sEcr|Ecre|cret|ret-|W0rd' --exclude=requests.l
     serve $mode
     fails_with 4 ask -- key
     refute_key
-    [ ! -e evidence.json ] && [ ! -e exchanges ]
+    [ ! -e evidence.json ]
+    [ ! -e exchanges ]
     stop_server
   done
   fails_with 2 material --agent http://127.0.0.1:1/SECRET-w0rd/v1 --model m -- PM_API_KEY
