@@ -42,7 +42,7 @@ SOLVER_FOLDERS = {
     "math": [],
     "material": ["math"],
     "action": ["math", "domain.h", "state.h"],
-    "cpu": ["math", "material", "action", "domain.h", "state.h", "energy_budget.h", "stepper.h", "stepper_setup.h"],
+    "cpu": ["math", "material", "action", "body_contact.h", "domain.h", "state.h", "energy_budget.h", "stepper.h", "stepper_setup.h"],
     "statics": ["math", "material", "action", "domain.h", "state.h"],
 }
 SOLVER_FOLDERS["cuda"] = SOLVER_FOLDERS["rigid"] = SOLVER_FOLDERS["cpu"]

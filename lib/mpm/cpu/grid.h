@@ -103,7 +103,8 @@ class Grid {
   Team& team_;
   const BlockMap& map_;
   double dx_;
-  struct Field {
+  // Read for every register; on lines of cache of its own, so that no thread writes beside it.
+  struct alignas(128) Field {
     Buffer<T> velocity, momentum, force_free;
   };
   std::vector<Field> fields_;  // per body
