@@ -359,7 +359,7 @@ this_make := $(MAKE) --no-print-directory BUILD=$(BUILD) SAN=$(SAN)
 hardening: all $(TEST_TOOLS) $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%) ## Attack the tools in every known way and print a table: [KILLS=300] [MUTATIONS=100000]
 	@tests/hardening/hardening.sh $(BUILD) $(HARDENING) $(KILLS) $(MUTATIONS) $(INJECTIONS) "$(this_make) hardening-faults"
 
-# Every open, write, sync, rename, close and thread of every tool fails once, and 200 allocations of each. `make test` takes
+# Every open, write, sync, rename, close and thread of every tool fails once, and 100 allocations of each. `make test` takes
 # a sample.
 .PHONY: hardening-faults
 hardening-faults: all $(FAILING_CALLS) ## Let every call of the system fail in turn, in every tool

@@ -15,6 +15,8 @@ TEXT_VARIABLES := $(filter-out EXAMPLE BASE,$(SOURCE_VARIABLES) $(IMPORT_VARIABL
 # One word each.
 WORD_VARIABLES := EXAMPLE BASE RUN BATCH EVALUATE SUITE BIN BUILD THREADS V SAN TOGETHER PRECOMPILE ARCH MARCH WERROR SECONDS \
   PICTURES GUITAR STABILITY ACCURACY DOCS HARDENING KILLS MUTATIONS INJECTIONS
+# Several names.
+NAMES_VARIABLES := CASES FUZZ
 # Those that name a folder which make itself works in.
 WORKING_FOLDERS := RUN BATCH EVALUATE BASE
 
@@ -73,13 +75,14 @@ $(foreach v,$(FROM_ENVIRONMENT),$(eval $(v) := $$(value $(v))))
 # $(call complaint,NAME): why NAME may not hold what it holds; nothing where it may.
 complaint = $(call complaint_about,$(1),$(value $(1)))
 complaint_about = $(or $(if $(filter $(1),$(TEXT_VARIABLES)),$(about_text)),$(if $(filter $(1),$(WORKING_FOLDERS)),$(about_folder)), \
-                    $(if $(filter $(1),$(TEXT_VARIABLES)),,$(or $(about_words),$(if $(filter $(1),$(WORD_VARIABLES)),$(about_word)))), \
+                    $(if $(filter $(1),$(TEXT_VARIABLES)),,$(or $(about_words),$(if $(filter $(1),$(WORD_VARIABLES)),$(about_word)),$(if $(filter $(1),$(NAMES_VARIABLES)),$(about_names)))), \
                     $(if $(filter THREADS,$(1)),$(about_number)),$(if $(filter CROP,$(1)),$(about_numbers)))
 about_text = $(if $(filter PROMPT,$(1)),,$(if $(has_control_2),a line end or a control character is no part of it))
 has_control_2 = $(call has_control,$(2))
 about_folder = $(if $(call is_plain,$(2)),,GNU Make cannot work in a folder whose name begins with - or has spaces or one of $(strip $(special)): give another $(1))
 about_words = $(if $(call are_words,$(2)),,make and a shell read it$(,) expected words without $(strip $(shell_special)))
 about_word = $(if $(and $(filter 1,$(words $(2))),$(if $(filter -%,$(2)),,y)),,expected one word that does not begin with -)
+about_names = $(if $(strip $(foreach w,$(2),$(if $(call is_plain,$(w)),,$(w)))),expected names)
 about_number = $(if $(call without_digits,0 1 2 3 4 5 6 7 8 9,$(2)),expected a number)
 about_numbers = $(if $(filter-out $(foreach d,0 1 2 3 4 5 6 7 8 9 .,-$(d)%),$(filter -%,$(2))),expected six numbers)
 without_digits = $(if $(1),$(call without_digits,$(wordlist 2,10,$(1)),$(subst $(firstword $(1)),,$(2))),$(2))

@@ -45,7 +45,7 @@ stage = @mkdir -p $(STAMPS) && touch $(STAMPS)/work && printf '  %-10s %s\n' '$(
 # $(call finish,WORDS): the end of a stage. WORDS are the shell's, and name what the stage may have made beside the files that its
 # rule names: those that are there are listed beside its stamp, and `promised` asks for them in the next run.
 finish = @shopt -s nullglob; for f in $(1); do [ ! -f "$$f" ] || printf '%s\n' "$${f\#$(RUN)/}"; done >$@.files; touch $@
-promised = $(call missing,$(addprefix $(RUN)/,$(call held,$(file <$(STAMPS)/$(1).files))))
+promised = $(call missing,$(STAMPS)/$(1).files $(addprefix $(RUN)/,$(call held,$(file <$(STAMPS)/$(1).files))))
 
 .PHONY: FORCE
 FORCE:

@@ -76,6 +76,14 @@ tries() {
   fi
 }
 
+# taken_by VARIABLE TEXT: what is right; a user's name in what may be a URL is none of these texts' business.
+taken_by() {
+  case $1:$2 in
+    AGENT:*@* | SCENE_AGENT:*@* | PERCEPTION:*@* | PREDICTOR:*@*) echo refused ;;
+    *) echo taken ;;
+  esac
+}
+
 scene=(run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z RUN=run SPEC=spec.json DEFAULTS=)
 
 @test "injection: texts arrive at the tools as they are" {
@@ -84,7 +92,7 @@ scene=(run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z RUN=run SPEC=sp
     # A line's end is no part of anything else.
     [[ $text != *$'\n'* ]] || continue
     for variable in UP FRONT OPACITY DROP AZIMUTH ELEVATION MATERIAL AGENT SCENE_AGENT PERCEPTION; do
-      tries taken $variable "$text" "${scene[@]}" "$variable=$text"
+      tries "$(taken_by $variable "$text")" $variable "$text" "${scene[@]}" "$variable=$text"
     done
     tries taken MODEL "$text" "${scene[@]}" AGENT=builtin MODEL="$text"
     # Words of these are settings, and each arrives.
@@ -116,7 +124,9 @@ scene=(run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z RUN=run SPEC=sp
     cp -r bundle "./$text.d"
     tries safe GAUSSIANS "$text" run GAUSSIANS="$text.ply" PROMPT="it falls" RUN=run
     tries taken SPEC "$text" "${scene[@]}" SPEC="$text"
-    for variable in INVENTORY DATAPARSER PHYSGAUSSIAN AUTHORED PREDICTOR CAMERAS; do tries taken $variable "$text" "${scene[@]}" "$variable=$text"; done
+    for variable in INVENTORY DATAPARSER PHYSGAUSSIAN AUTHORED PREDICTOR CAMERAS; do
+      tries "$(taken_by $variable "$text")" $variable "$text" "${scene[@]}" "$variable=$text"
+    done
     for variable in MASKS VIEWS; do tries taken $variable "$text" "${scene[@]}" "$variable=$text.d"; done
     for variable in AGENT SCENE_AGENT PERCEPTION PREDICTOR; do tries taken $variable "$text" "${scene[@]}" "$variable=replay:$text.d"; done
     tries unrun SCENE "$text" run SCENE="$text.d/scene.json" RUN=run2
@@ -180,7 +190,8 @@ scene=(run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z RUN=run SPEC=sp
   in_tree() { env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -C "$root" "$@"; }
   for text in "${some[@]}"; do
     for variable in BUILD STABILITY EVALUATE SECONDS FUZZ ACCURACY; do
-      run in_tree clean "$variable=$text"
+      # What is wrongly taken must not remove this tree's build.
+      run in_tree clean BUILD="$PWD/none" "$variable=$text"
       [ "$status" -eq 2 ] || { echo "$variable=$text"; return 1; }
     done
   done

@@ -29,7 +29,7 @@ FAULTS = [('open', EACCES, False), ('write', ENOSPC, False), ('write', ENOSPC, T
           ('sync', EIO, False), ('rename', EIO, False), ('close', EIO, False), ('truncate', EIO, False),
           ('map', ENOMEM, False), ('memory', ENOMEM, False), ('thread', EIO, True)]
 MANY = {'map', 'memory'}
-MOST_OF_MANY = 200
+MOST_OF_MANY = 100
 
 CANDIDATES = ['support-stiff', 'soft']
 
