@@ -66,7 +66,7 @@ bats_row "hostile servers" tests/cli/remote.bats tests/cli/ground-faults.bats te
 
 if [ -n "$faults" ]; then
   wait
-  row "faults of system calls" "$(sed -nE 's/.*[^0-9]([0-9]+) (faults|injected).*/\1/p' "$out/faults.log" | tail -n 1) faults" "$(cat "$out/faults.status")" "$(cat "$out/faults.seconds")"
+  row "faults of system calls" "$(sed -nE 's/.* ([0-9]+) of +[0-9]+ calls:.*/\1/p' "$out/faults.log" | awk '{ n += $1 } END { print n + 0 }') faults" "$(cat "$out/faults.status")" "$(cat "$out/faults.seconds")"
 fi
 column -t -s "$(printf '\t')" "$table"
 exit $failed
