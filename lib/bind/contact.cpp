@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "records/reference.h"
+
 namespace physmas::bind {
 
 mpm::BodyContact bind_contact(const State& state, const RunSpecification::Contact& contact) {
@@ -13,7 +15,7 @@ mpm::BodyContact bind_contact(const State& state, const RunSpecification::Contac
   for (const int32_t row : state.row) present[row] = true;
   std::vector<std::string> objects;
   for (size_t r = 0; r < state.row_keys.size(); ++r) {
-    const std::string object = state.row_keys[r].substr(0, state.row_keys[r].find('/'));
+    const std::string object = object_of(state.row_keys[r]);
     const auto known = std::find(objects.begin(), objects.end(), object);
     const auto body = static_cast<int>(known - objects.begin());
     bound.body.push_back(present[r] ? std::min(body, mpm::kMostBodies - 1) : 0);

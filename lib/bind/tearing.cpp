@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/subset_tree.h"
+#include "records/reference.h"
 
 namespace physmas::bind {
 namespace {
@@ -52,14 +53,14 @@ void count_bonds(const std::vector<int>& particles, const mpm::Problem& problem,
 }  // namespace
 
 std::vector<TornRow> torn_rows(const Candidate& candidate, const mpm::Problem& problem, const std::vector<Vec3d>& x) {
-  std::map<int, std::string> object_of;  // of rows whose particles hold together
+  std::map<int, std::string> holding;  // rows whose particles hold together, and their objects
   for (const CandidateRow& row : candidate.rows) {
-    if (!parts_by_nature(row.branch)) object_of[row.row] = row.key.substr(0, row.key.find('/'));
+    if (!parts_by_nature(row.branch)) holding[row.row] = object_of(row.key);
   }
   std::map<std::string, std::vector<int>> objects;
   for (size_t i = 0; i < problem.particles.size(); ++i) {
-    const auto object = object_of.find(problem.particles.row[i]);
-    if (object != object_of.end()) objects[object->second].push_back(static_cast<int>(i));
+    const auto object = holding.find(problem.particles.row[i]);
+    if (object != holding.end()) objects[object->second].push_back(static_cast<int>(i));
   }
   std::map<std::pair<int, int>, Bonds> between;
   for (const auto& [object, particles] : objects) count_bonds(particles, problem, x, between);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "records/reference.h"
 #include "splat/foreground.h"
 #include "splat/polar.h"
 
@@ -23,10 +24,7 @@ std::vector<Members> objects_of(const State& state) {
   for (size_t i = 0; i < state.gaussian_object.size(); ++i) {
     const size_t o = static_cast<size_t>(state.gaussian_object[i]);
     if (o >= objects.size()) objects.resize(o + 1);
-    if (objects[o].gaussians.empty()) {
-      const std::string& key = state.row_keys.at(state.gaussian_row[i]);
-      objects[o].object = key.substr(0, key.find('/'));
-    }
+    if (objects[o].gaussians.empty()) objects[o].object = object_of(state.row_keys.at(state.gaussian_row[i]));
     objects[o].gaussians.push_back(static_cast<int32_t>(i));
   }
   objects.erase(std::remove_if(objects.begin(), objects.end(), [](const Members& m) { return m.gaussians.empty(); }),

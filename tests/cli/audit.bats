@@ -2,23 +2,20 @@
 # What is recorded is what is there: every stage checks the hashes of what it reads, pm-screen --audit checks a whole run, equal
 # inputs give equal bytes, and what is gone is made again.
 load common
+load coarse
 
-run_make() { env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -f "$root/pipelines/installed.mk" BIN="$bin" "$@"; }
 same_runs() { python3 -B "$root/tests/tools/compare_runs.py" "$@"; }
 # make_run FOLDER ARGUMENT...: from $BATS_FILE_TMPDIR, so that all have the same source.
-make_run() {
+make_run() (
   local folder=$1
   shift
-  env -C "$BATS_FILE_TMPDIR" -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -f "$root/pipelines/installed.mk" BIN="$bin" run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z SPEC=spec.json RUN="$folder" "$@" 2>/dev/null
-}
+  cd "$BATS_FILE_TMPDIR" || exit 1
+  run_make run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z SPEC=spec.json RUN="$folder" "$@" 2>/dev/null
+)
 
 setup_file() {
   cd "$BATS_FILE_TMPDIR" || return 1
-  "$bin/pm-scene" synth "$root/tests/data/tiny.json" --out bundle --quiet
-  cat >spec.json <<'J'
-{"schema": "physmas/run/1", "grid": {"n": 24}, "time": {"frames": 4, "substep_dt": 8e-4, "min_substep_dt": 2e-4, "max_substeps": 200},
- "screening": {"initial": 2, "rounds": 1, "tau": -9}, "render": {"width": 64, "height": 64}}
-J
+  make_coarse_scene
   make_run one
 }
 

@@ -2,19 +2,11 @@
 # What make does with its variables: every one counts or is refused by name, names may have spaces, and no run replaces
 # another.
 load common
-
-# Not $(MAKE) of the tests' own make, and no build.
-run_make() {
-  env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -f "$root/pipelines/installed.mk" BIN="$bin" "$@"
-}
+load coarse
 
 setup_file() {
   cd "$BATS_FILE_TMPDIR" || return 1
-  "$bin/pm-scene" synth "$root/tests/data/tiny.json" --out bundle --quiet
-  cat >spec.json <<'J'
-{"schema": "physmas/run/1", "grid": {"n": 24}, "time": {"frames": 4, "substep_dt": 8e-4, "min_substep_dt": 2e-4, "max_substeps": 200},
- "screening": {"initial": 2, "rounds": 1, "tau": -9}, "render": {"width": 64, "height": 64}}
-J
+  make_coarse_scene
 }
 
 setup() {
