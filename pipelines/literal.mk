@@ -4,6 +4,12 @@
 # environment only (`given_to_tools`); all others stand in rules and commands, and are refused where make or a shell would read
 # them as something else than words. Included by the Makefile and by installed.mk before all else.
 
+# Without these nothing below says what it should.
+missing_programs := $(shell for p in awk cat chmod cp cut dirname find grep head ln ls mkdir mv rm sed sort tail tr uname xargs; do command -v "$$p" >/dev/null || printf '%s ' "$$p"; done)
+ifneq ($(missing_programs),)
+  $(error $(missing_programs)not found on PATH: expected the ordinary programs of a Debian system in it, as in PATH=/usr/bin:/bin)
+endif
+
 # Where a scene comes from: one of these.
 SOURCE_VARIABLES := EXAMPLE GAUSSIANS SCENE
 # How a file of Gaussians is imported: examples and bundles have what these say.

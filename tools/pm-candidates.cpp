@@ -66,6 +66,7 @@ int work_authored(const Options& options) {
   provenance.tool = "pm-candidates";
   for (const std::string& input : {options.scene, options.inventory, options.configuration, options.state})
     provenance.add_input(input);
+  require_made_from(options.state, options.inventory, false, "state");
   const Scene scene = load_scene(options.scene, {});
   const Inventory inventory = load_inventory(options.inventory);
   const AuthoredConfiguration configuration = load_configuration(options.configuration, inventory);

@@ -1,6 +1,7 @@
 // pm-eval motion, silhouettes and labels: what reads our own runs.
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 
 #include "base/error.h"
@@ -8,6 +9,7 @@
 #include "metrics/commands.h"
 #include "metrics/gaussian_tracks.h"
 #include "metrics/label_accuracy.h"
+#include "records/execution.h"
 #include "records/truth.h"
 #include "scene/gaussian_files.h"
 #include "scene/image_file.h"
@@ -27,6 +29,16 @@ void add_run_options(Command command, RunOptions& options, const char* rollout) 
   command.add_option("--target", options.target, "Object id or row key; the whole scene by default");
 }
 
+// The rollout is the one that its record names, and of this state. A rollout without a record, as other programs write
+// them, is taken.
+void check_rollout(const std::string& rollout, const std::string& state) {
+  const std::string execution = execution_path_of(rollout);
+  std::error_code failure;
+  if (!std::filesystem::exists(execution, failure)) return;
+  load_execution_of(rollout);
+  require_made_from(execution, state, false);
+}
+
 // What the rollouts of one state share.
 struct Run {
   explicit Run(const RunOptions& options)
@@ -34,7 +46,11 @@ struct Run {
         inventory(load_inventory(options.inventory)),
         state(load_state(options.state, &inventory)),
         gaussians(load_labelled_gaussians(scene.gaussians, state, options.state)),
-        target(target_gaussians(inventory, state, options.target)) {}
+        target(target_gaussians(inventory, state, options.target)) {
+    require_made_from(options.state, options.inventory, false, "state");
+    check_rollout(options.rollout, options.state);
+    if (!options.reference.empty()) check_rollout(options.reference, options.state);
+  }
   static SceneNeeds needs() {
     SceneNeeds needs;
     needs.gaussians = needs.output_cameras = true;
@@ -88,6 +104,7 @@ int labels(const LabelOptions& options) {
   const std::string truth_file = scene.root + "/truth.h5";
   const Inventory truth_inventory = load_inventory(scene.inventory), inventory = load_inventory(options.inventory);
   const State state = load_state(options.state, &inventory);
+  require_made_from(options.state, options.inventory, false, "state");
   const std::vector<int32_t> truth = load_truth(truth_file, truth_inventory, state.gaussian_count());
   const LabelAccuracy accuracy = compare_labels(truth_inventory, truth, inventory, state.gaussian_row);
   Provenance provenance;

@@ -3,6 +3,7 @@
 # inputs give equal bytes, and what is gone is made again.
 load common
 load coarse
+load server
 
 same_runs() { python3 -B "$root/tests/tools/compare_runs.py" "$@"; }
 # make_run FOLDER ARGUMENT...: from $BATS_FILE_TMPDIR, so that all have the same source.
@@ -144,6 +145,56 @@ screen() {
   candidates() { "$bin/pm-candidates" --scene run/spec/candidates.json --inventory run/inventory.json --evidence run/evidence.json --out x "$@"; }
   fails_with 3 candidates --plan run/plan.json --state other/state.h5 -- "state.h5"
   fails_with 3 candidates --plan other/plan.json --state run/state.h5 -- "plan.json" "made from a inventory.json"
+}
+
+@test "hashes: an authored candidate and metrics are made from what was recorded" {
+  mkdir other
+  sed '1s/$/ /' run/inventory.json >other/inventory.json
+  cat >configuration.json <<'J'
+{"schema": "physmas/configuration/1",
+ "rows": {"gaussians/gaussians": {"branch": "Jelly", "E": 1e6, "nu": 0.45, "rho": 1100}}, "actions": []}
+J
+  authored() { "$bin/pm-candidates" --scene run/spec/candidates.json --state run/state.h5 --configuration configuration.json --out x "$@"; }
+  authored --inventory run/inventory.json
+  rm -r x
+  fails_with 3 authored --inventory other/inventory.json -- state.h5 "made from a inventory.json"
+  [ ! -e x ]
+  motion() { "$bin/pm-eval" motion --scene run/spec/render.json --inventory run/inventory.json --state run/state.h5 --out metrics.json "$@"; }
+  motion --rollout run/rollouts/soft.h5 --reference run/rollouts/posterior.h5 >/dev/null
+  rm metrics.json
+  cp run/rollouts/soft.h5 kept
+  flip run/rollouts/soft.h5
+  fails_with 3 motion --rollout run/rollouts/soft.h5 --reference run/rollouts/posterior.h5 -- "soft.h5 with SHA-256"
+  fails_with 3 motion --rollout run/rollouts/posterior.h5 --reference run/rollouts/soft.h5 -- "soft.h5 with SHA-256"
+  # A rollout without a record is anyone's.
+  cp kept foreign.h5
+  motion --rollout foreign.h5 --reference run/rollouts/posterior.h5 >/dev/null
+  fails_with 3 motion --inventory other/inventory.json --rollout foreign.h5 --reference foreign.h5 -- "made from a inventory.json"
+}
+
+@test "audit: recorded exchanges and material records of one's own are a run's inputs as well" {
+  "$bin/pm-scene" synth "$root/tests/data/tiny.json" --out bundle --quiet
+  serve good
+  PM_API_KEY=pmkey-0123456789 run_make run SCENE=bundle/scene.json SPEC="$BATS_FILE_TMPDIR/spec.json" AGENT="$url" MODEL=tester RUN=asked >log 2>&1
+  stop_server
+  "$bin/pm-screen" --audit asked
+  exchange=$(find asked -path '*exchanges*' -name '*.json' | sort | head -1)
+  [ -n "$exchange" ]
+  # An answer that was not given is found, in a replay as in the audit.
+  sed -i 's/0.75/0.76/g' "$exchange"
+  run "$bin/pm-screen" --audit asked
+  [ "$status" -eq 3 ]
+  [[ "$output" = *"$(basename "$exchange"): is not what"* ]]
+  cat >records.json <<'J'
+{"schema": "physmas/material_records/1",
+ "rows": [{"key": "lollipop/candy", "crops": [{"E": 15000, "E_uncertainty": 0.1, "nu": 0.42, "nu_uncertainty": 0.03, "evidence": {"Rubber": 1}}]}]}
+J
+  run_make run SCENE=bundle/scene.json SPEC="$BATS_FILE_TMPDIR/spec.json" AUTHORED=records.json RUN=own >log 2>&1
+  "$bin/pm-screen" --audit own
+  sed -i 's/15000/25000/' records.json
+  run "$bin/pm-screen" --audit own
+  [ "$status" -eq 3 ]
+  [[ "$output" = *"records.json: is not what"* ]]
 }
 
 @test "rerun: everything that a run promises is made again when it is gone" {

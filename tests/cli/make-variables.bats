@@ -141,3 +141,11 @@ refuses() {
   [[ $output = *"pm-scene: error: bundle/scene.json"* ]]
   [[ $output != *"No such file"* && $output != *"No rule"* ]]
 }
+
+@test "make: a PATH without the ordinary programs is named, before anything is made" {
+  run env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL PATH="$BATS_TEST_TMPDIR" /usr/bin/make -f "$root/pipelines/installed.mk" BIN="$bin" run GAUSSIANS=x.ply RUN=runs/x
+  [ "$status" -eq 2 ]
+  [[ "$output" == *"mkdir"*"not found on PATH"* ]]
+  [ "${#lines[@]}" -eq 1 ]
+  [ ! -e runs ]
+}

@@ -40,7 +40,11 @@ const std::vector<std::string> kNames = {"/gaussians/row",
                                          "/views/front/rows/lollipop",
                                          "/views/back/objects/lollipop",
                                          "/views/front/objects/spoon",
-                                         "/map"};
+                                         "/map",
+                                         "/carriers/gaussian",
+                                         "/carriers/rest",
+                                         "/carriers/particle",
+                                         "/carriers/weight"};
 const std::vector<std::string> kAttributes = {"rows", "omitted", "s", "d", "L", "n", "confidence", "source", "schema"};
 
 class Input {

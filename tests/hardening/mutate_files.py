@@ -3,8 +3,8 @@
 
     mutate_files.py BIN FOLDER TRIES [SEED]    prints a row: what, tried, failed, seconds; exit code 1 where a tool failed
 
-Right is an end with exit code 0, 2, 3 or 6 in time; with 2 and 3 in one line on stderr that begins with the tool's name, after
-notes; and no temporary file. What failed is kept in FOLDER/failed-N with the command.
+Right is an end with exit code 0, 2, 3 or 6 (of a replay 0, 3 or 4) in time; with 2, 3 and 4 in one line on stderr that begins with the tool's name, after
+notes; no temporary file; and no other answers from a replay. What failed is kept in FOLDER/failed-N with the command.
 """
 import json
 import os
@@ -64,7 +64,25 @@ def prepare():
             json.dump(frames, file, indent=1)
     for command in COMMANDS[:8]:
         subprocess.run(tool(*command[0]), **quiet)
+    os.rename("evidence.json", "kept.json")
+    record_exchanges(quiet)
+    os.rename("evidence.json", "asked.json")
+    os.rename("kept.json", "evidence.json")
     os.chdir("..")
+
+
+def record_exchanges(quiet):
+    """What a chat model says of the rows, in exchanges/."""
+    server = subprocess.Popen([sys.executable, "-B", ROOT + "/tests/tools/server.py", "port", "requests", "good"], stdin=subprocess.PIPE, **{k: quiet[k] for k in ("stdout", "stderr")})
+    try:
+        while not os.path.exists("port") or not os.path.getsize("port"):
+            time.sleep(0.02)
+        with open("port") as file:
+            url = "http://127.0.0.1:" + file.read().strip()
+        subprocess.run(tool("pm-material", *scene, "--inventory", "inventory.json", "--masks", "masks.h5", *state, "--out", "evidence.json", "--agent", url, "--model", "tester"), **quiet)
+    finally:
+        server.stdin.close()
+        server.wait()
 
 
 scene = ["--scene", "bundle/scene.json"]
@@ -91,6 +109,8 @@ COMMANDS = [
     (["pm-scene", "import", "bundle/gaussians.ply", "--prompt", "it falls", "--views", "images", "--cameras", "cameras.json", "--out", "imported"],
      ["cameras.json", "images/"]),
     (["pm-scene", "info", "bundle/gaussians.ply"], ["bundle/gaussians.ply"]),
+    (["pm-material", *scene, "--inventory", "inventory.json", "--masks", "masks.h5", *state, "--out", "replayed.json", "--agent", "replay:exchanges", "--model", "tester"],
+     ["exchanges/", "exchanges/", "exchanges/material_lollipop_candy_1.json", "exchanges/material_lollipop_stick_1.json"]),
 ]
 
 
@@ -137,13 +157,18 @@ def complaint(command):
     except subprocess.TimeoutExpired:
         return "no end after %d s" % SECONDS
     errors = process.stderr.decode(errors="replace").splitlines()
-    if process.returncode not in (0, 2, 3, 6):
+    replay = "replay:exchanges" in command
+    if process.returncode not in ((0, 3, 4) if replay else (0, 2, 3, 6)):
         return "exit code %d: %s" % (process.returncode, errors[-1:])
     told = [line for line in errors if not line.startswith((command[0] + ": note:", command[0] + ": warning:", command[0] + ": info:"))]
-    if process.returncode in (2, 3) and (len(told) != 1 or not told[0].startswith(command[0] + ": error: ")):
+    if process.returncode in (2, 3, 4) and (len(told) != 1 or not told[0].startswith(command[0] + ": error: ")):
         return "exit code %d without one line: %s" % (process.returncode, told)
     if process.returncode == 0 and told:
         return "lines of somebody else: %s" % told
+    if replay and process.returncode == 0:
+        with open("asked.json") as asked, open("replayed.json") as replayed:
+            if json.load(asked)["rows"] != json.load(replayed)["rows"]:
+                return "an answer that the model did not give"
     left = [os.path.join(d, n) for d, _, names in os.walk(".") for n in names if n.startswith(".") and ".tmp" in n]
     return "left: %s" % left if left else ""
 
