@@ -386,13 +386,16 @@ $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(LIBRARIES)
 
 # Measure on a quiet machine; `make accuracy DOCS=1` also puts the plots of docs/numerics.md in their place.
 ACCURACY ?= runs/accuracy
-.PHONY: accuracy verification
+.PHONY: accuracy verification error-study
 accuracy: $(BIN)/pm-eval ## Error of the solver against run time: JSON, CSV and plots in runs/accuracy
 	$(Q)$(BIN)/pm-eval accuracy --out $(ACCURACY)
 	$(if $(DOCS),$(Q)cp $(ACCURACY)/accuracy-position.png $(ACCURACY)/accuracy-strain.png $(ACCURACY)/accuracy-energy.png docs/images/)
 
 verification: $(BIN)/pm-eval ## The solver against analytic answers, under refinement
 	$(Q)$(BIN)/pm-eval verification --out runs/verification.json
+
+error-study: $(BIN)/pm-eval ## Estimated against true discretisation errors of eleven cases
+	$(Q)$(BIN)/pm-eval error-study --out runs/error-study.json
 
 # --- Installation and packages ------------------------------------------------------------------------------------
 

@@ -18,6 +18,7 @@
 # PREDICTOR  none, the URL of an inference server, replay:DIR, or a file of records          -> pm-material --predictor
 # AUTHORED a file of authored material records                                               -> pm-material --authored
 # BASE     another run of the same scene: ground, lift and material whose inputs are equal to its inputs take its results
+# ERROR    1: also estimate the accepted run's discretisation error, from the same scene on fewer cells     -> pm-eval error
 # THREADS  threads per tool; by default the executor says how many
 # EXECUTOR where tools run: the name of a file in executors/ (local), or a file
 #
@@ -265,11 +266,22 @@ $(STAMPS)/best: $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/screen/round$(LAS
 	  --rollouts $(RUN)/rollouts --candidates $(RUN)/candidates $(BEST_CAMERAS:%=--cameras %) --out $(RUN)/best.mp4 --quiet --threads $(threads)
 	$(finish)
 
+# The discretisation error of what was accepted, for who asks.
+$(STAMPS)/error: $(RUN)/spec/simulate.json $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/screen/round$(LAST_ROUND).json \
+                 $(call missing,$(RUN)/error.json) | $(call built,pm-eval)
+	$(call stage,error,$(RUN)/error.json)
+	@$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/error.json,$@.log) \
+	$(BIN)/pm-eval error --scene $< --view $(RUN)/spec/render.json --state $(RUN)/state.h5 --accepted $(RUN)/accepted.json \
+	  --out $(RUN)/error.json --threads $(threads)
+	$(finish)
+
 .PHONY: run-finished
-run-finished: $(RUN)/screen/round$(LAST_ROUND).json $(if $(filter fail,$(PM_DECISION$(LAST_ROUND))),$(STAMPS)/best)
+run-finished: $(RUN)/screen/round$(LAST_ROUND).json $(if $(filter fail,$(PM_DECISION$(LAST_ROUND))),$(STAMPS)/best) \
+              $(if $(ERROR),$(if $(ACCEPTED),$(STAMPS)/error))
 ifneq ($(ACCEPTED),)
 	@if [ -e $(STAMPS)/work ]; then echo "Accepted."; else echo "Nothing to do: $(RUN) is up to date."; fi
 	@printf '  video   %s\n  audit   %s\n  screen  %s\n' $(RUN)/final.mp4 $(RUN)/accepted.json $(RUN)/screen/round$(LAST_ROUND).json
+	@$(if $(ERROR),printf '  error   %s\n' $(RUN)/error.json)
 	@rm -f $(STAMPS)/work $(STAMPS)/best $(RUN)/best.mp4
 else
 	@rm -f $(STAMPS)/work

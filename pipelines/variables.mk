@@ -53,6 +53,10 @@ ifneq ($(filter run demo,$(MAKECMDGOALS)),)
   endif
 endif
 
+ifneq ($(filter-out 1,$(ERROR)),)
+  $(error ERROR: found "$(ERROR)", expected 1: estimate the discretisation error)
+endif
+
 # --- What they name -----------------------------------------------------------------------------------------------
 
 $(call given_to_tools,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES))

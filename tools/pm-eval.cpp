@@ -30,13 +30,16 @@ int main(int argc, char** argv) {
       {"pm-eval", "Measure finished runs.",
        "Example: pm-eval motion --scene scene.json --inventory inventory.json --state state.h5 --rollout rollouts/a.h5 "
        "--reference rollouts/b.h5 --out metrics.json\n"
+       "         pm-eval error --scene spec/simulate.json --view spec/render.json --state state.h5 --accepted "
+       "accepted.json "
+       "--out error.json\n"
        "         pm-eval accuracy --out accuracy; pm-eval verification --out verification.json\n"
        "         pm-eval stability --out stability\n"
        "         pm-eval aggregate --manifest evaluation.json --upr upr.json --out tables\n"
        "         pm-eval suite --suite examples/suite.json\n"
        "Reads physmas/scene/1, inventory/1, state/1, rollout/1, metrics/1, evaluation/1, study/1, answers/1, upr/1,\n"
        "suite/1, example/1, configuration/1; writes physmas/metrics/1, study/1, upr/1, verification/1, accuracy/1,\n"
-       "stability/1, labels/1, evaluation/1.",
+       "stability/1, error/1, error_study/1, labels/1, evaluation/1.",
        [&](Command app) {
          commands = {metrics::add_motion_command(app),
                      metrics::add_tracks_command(app),
@@ -51,6 +54,8 @@ int main(int argc, char** argv) {
                      tables::add_collect_command(app),
                      metrics::add_labels_command(app),
                      studies::add_accuracy_command(app, paper_step),
+                     studies::add_error_command(app),
+                     studies::add_error_study_command(app),
                      studies::add_verification_command(app),
                      studies::add_stability_command(app, paper_step)};
          app.require_subcommand(1);

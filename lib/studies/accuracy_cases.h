@@ -9,6 +9,11 @@
 
 namespace physmas::studies {
 
+constexpr double kFloor = 0.5;  // m, a plane of nodes of every grid of the studies
+
+// A box of 2 m without particles; with gravity and a floor of friction 0.5 at kFloor, or neither.
+mpm::Problem study_scene(const std::vector<mpm::Material>& materials, bool on_floor);
+
 struct AccuracyCase {
   std::string name;      // jelly-drop
   std::string text;      // one sentence
@@ -21,9 +26,9 @@ struct AccuracyCase {
 // particles, on a lattice that is not aligned with any grid.
 std::vector<AccuracyCase> accuracy_cases(double spacing);
 
-// Every particle replaced by eight, a quarter of `spacing` away along each axis, with an eighth of its volume. Particle
-// i becomes 8 i … 8 i + 7, whose mean is where particle i is.
-mpm::Problem subdivide(const mpm::Problem& problem, double spacing);
+// Every particle replaced by k³ on the lattice of spacing / k around it, with an equal part of its volume. Particle i
+// becomes k³ i … k³ i + k³ - 1, whose mean is where particle i is.
+mpm::Problem subdivide(const mpm::Problem& problem, double spacing, int k = 2);
 
 }  // namespace physmas::studies
 

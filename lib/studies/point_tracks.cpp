@@ -18,8 +18,10 @@ void PointTracker::draw(const std::vector<mpm::Vec3d>& x) {
     const auto last = [](double v, int size) { return std::min(size - 1, static_cast<int>(std::floor(v - 0.5))); };
     if (!u.allFinite() || std::fabs(u.x()) > 1e6 || std::fabs(u.y()) > 1e6) continue;
     for (int py = first(u.y() - r); py <= last(u.y() + r, camera_.height); ++py) {
+      const double dy = py + 0.5 - u.y();
       for (int px = first(u.x() - r); px <= last(u.x() + r, camera_.width); ++px) {
-        if (std::hypot(px + 0.5 - u.x(), py + 0.5 - u.y()) > r) continue;
+        const double dx = px + 0.5 - u.x();
+        if (dx * dx + dy * dy > r * r) continue;
         const size_t p = static_cast<size_t>(py) * camera_.width + px;
         if (front_[p] >= 0 && depth_[p] <= q.z()) continue;
         front_[p] = static_cast<int>(i);

@@ -230,3 +230,29 @@ J
   [ "$status" -ne 0 ]
   [[ "$output" = *"missing.ply"* ]]
 }
+
+@test "pipeline: ERROR=1 estimates the accepted run's error, once" {
+  run_make_here() { env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -f "$root/pipelines/installed.mk" BIN="$bin" "$@"; }
+  cd "$BATS_TEST_TMPDIR"
+  "$bin/pm-scene" synth "$root/tests/data/tiny.json" --out bundle --quiet
+  set -- run SCENE=bundle/scene.json RUN=run SET="grid.n=32 time.frames=4 screening.initial=2 screening.rounds=1 screening.tau=-9 render.width=64 render.height=64"
+  run run_make_here "$@" ERROR=yes
+  [ "$status" -eq 2 ]
+  [[ "$output" = *"ERROR"*"expected 1"* ]]
+  run_make_here "$@" >/dev/null
+  [ ! -e run/error.json ]
+  run_make_here "$@" ERROR=1 >log
+  grep -q '^position ' log
+  grep -q 'run/error.json' log
+  candidate() { grep -o '"candidate": "[a-z-]*"' "$1"; }
+  [ "$(candidate run/error.json)" = "$(candidate run/accepted.json)" ]
+  run_make_here "$@" ERROR=1 >log
+  grep -q '^Nothing to do' log
+  # A run that has changed is estimated again.
+  run_make_here "${@/time.frames=4/time.frames=5}" ERROR=1 >log
+  grep -q '^position ' log
+  rm run/error.json
+  run_make_here "${@/time.frames=4/time.frames=5}" ERROR=1 >log
+  [ -s run/error.json ]
+  "$bin/pm-screen" --audit run
+}

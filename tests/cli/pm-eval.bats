@@ -80,3 +80,34 @@ PY
   grep -q 'bar: frequency' table
   grep -q '"physmas/verification/1"' verification.json
 }
+
+@test "pm-eval error: a run on its grid, estimated by row and in the picture; bad input" {
+  error() { "$bin/pm-eval" error --scene bundle/scene.json --view bundle/scene.json --state state.h5 --candidate candidates/support-stiff.json --out error.json "$@"; }
+  # A quarter of 24 cells is no grid.
+  fails_with 3 error --rollout rollouts/support-stiff.h5 -- /run/grid/n 32
+  "$bin/pm-simulate" --scene bundle/scene.json --state state.h5 --candidate candidates/support-stiff.json --grid 36 --out rollouts/fine.h5
+  error --rollout rollouts/fine.h5 >table
+  cat table
+  grep -qE '^position +[0-9.]+ % of the scene' table
+  grep -qE '^  lollipop/candy +[0-9.]+ % of its longest edge' table
+  grep -q '"physmas/error/1"' error.json
+  [ "$(grep -c '"status": "valid"' error.json)" -eq 6 ]
+  python3 - <<'PY'
+import json
+record = json.load(open("error.json"))
+assert [c["n"] for c in record["companions"]] == [18, 9]
+position = record["measures"][0]
+assert 0 < position["estimate"] <= position["bound"]
+PY
+  # The same bytes but for run times, whatever the threads.
+  cp error.json first.json
+  error --rollout rollouts/fine.h5 --threads 1 >/dev/null
+  diff <(sed '/"runtime"/,$d' first.json) <(sed '/"runtime"/,$d' error.json)
+  # Without a camera the picture's metrics have a reason.
+  "$bin/pm-eval" error --scene bundle/scene.json --state state.h5 --candidate candidates/support-stiff.json --rollout rollouts/fine.h5 --out error.json >table
+  grep -q '^strain_rmse  *none: no camera' table
+  fails_with 2 "$bin/pm-eval" error --scene bundle/scene.json --state state.h5 --out x.json -- --accepted
+  fails_with 2 error --rollout rollouts/fine.h5 --accepted accepted.json -- --accepted
+  printf x >>rollouts/fine.h5
+  fails_with 3 error --rollout rollouts/fine.h5 -- SHA-256
+}

@@ -1,0 +1,18 @@
+// Cases on which the error estimate is held against a fine reference, beside those of the accuracy study: written before
+// the estimate was run on them, and without a part in it.
+#ifndef PHYSMAS_STUDIES_ERROR_CASES_H
+#define PHYSMAS_STUDIES_ERROR_CASES_H
+
+#include <vector>
+
+#include "studies/accuracy_cases.h"
+
+namespace physmas::studies {
+
+// spacing [m], as in accuracy_cases. A rolling ball, a cantilever, a tower of three blocks, a snowball that breaks, a
+// foam cushion under a ball, a pulled bar.
+std::vector<AccuracyCase> held_out_cases(double spacing);
+
+}  // namespace physmas::studies
+
+#endif
