@@ -394,7 +394,7 @@ accuracy: $(BIN)/pm-eval ## Error of the solver against run time: JSON, CSV and 
 verification: $(BIN)/pm-eval ## The solver against analytic answers, under refinement
 	$(Q)$(BIN)/pm-eval verification --out runs/verification.json
 
-error-study: $(BIN)/pm-eval ## Estimated against true discretisation errors of eleven cases
+error-study: $(BIN)/pm-eval ## Estimated against true discretisation errors of fifteen cases
 	$(Q)$(BIN)/pm-eval error-study --out runs/error-study.json
 
 # --- Installation and packages ------------------------------------------------------------------------------------

@@ -281,7 +281,7 @@ int study(const StudyOptions& options, const Device& device) {
 Subcommand add_error_study_command(Command app) {
   const auto options = std::make_shared<StudyOptions>();
   Command command = app.add_subcommand(
-      "error-study", "Estimated against true discretisation errors, of eleven cases with a fine reference");
+      "error-study", "Estimated against true discretisation errors, of fifteen cases with a fine reference");
   command.add_option("--out", options->out, "Record to write (JSON)").required();
   command.add_flag("--quick", options->quick, "Two cases on coarse grids: some seconds");
   return {command, [options](const CommonOptions& common) { return study(*options, common.device); }};

@@ -50,6 +50,7 @@ PointPaths trace(const mpm::Problem& problem, const mpm::Timing& timing, const D
 std::vector<ErrorCase> error_study_cases(double spacing, bool quick) {
   std::vector<ErrorCase> cases;
   for (AccuracyCase& c : accuracy_cases(spacing)) cases.push_back({std::move(c), false});
+  for (AccuracyCase& c : further_cases(spacing)) cases.push_back({std::move(c), false});
   for (AccuracyCase& c : held_out_cases(spacing)) cases.push_back({std::move(c), true});
   if (quick) return {cases.front(), cases.back()};
   return cases;
@@ -135,7 +136,7 @@ std::string error_study_table(const std::vector<ErrorStudyRow>& rows) {
     const Honesty h = honesty(rows, m);
     text += fmt::format(" {:>24}", fmt::format("{} of {}", h.within_bound, h.cases));
   }
-  return text + "\n* chosen after the estimate's orders were fixed; position in % of the object's size\n";
+  return text + "\n* written when the estimate was done; position in % of the object's size\n";
 }
 
 }  // namespace physmas::studies

@@ -17,9 +17,10 @@ extern const char* const kErrorMetricNames[kErrorMetrics];  // position, traject
 
 struct ErrorCase {
   AccuracyCase setup;
-  bool held_out = false;  // none of those that the orders were fixed on
+  bool held_out = false;  // written when the estimate was done
 };
-// The five cases of the accuracy study, on which the orders were fixed, and six more. quick: one of each.
+// The five cases of the accuracy study and six more, with which the orders were fixed, and four that were held out.
+// quick: one of the first and one of the last.
 std::vector<ErrorCase> error_study_cases(double spacing, bool quick);
 
 struct ErrorStudyRow {
