@@ -30,6 +30,12 @@ ifeq ($(PHASE),0)
     ifneq ($(shell mkdir -p $(RUN)/inputs $(STAMPS) && bash $(PIPELINES)sweep.sh $(RUN) && echo made),made)
       $(error $(RUN) cannot be made: is its folder writable?)
     endif
+    ifneq ($(value before_run),)
+      refusal := $(shell $(call before_run,$(RUN)) 2>&1)
+      ifneq ($(refusal),)
+        $(error $(call said,$(refusal)))
+      endif
+    endif
     ifeq ($(OWN_SCENE),)
       refusal := $(shell bash $(PIPELINES)claim-run.sh $(RUN) $(call quoted,$(source_variable)=$(or $(source_file),$(EXAMPLE))) $(call quoted,$(source_file)))
       ifneq ($(refusal),)

@@ -15,6 +15,7 @@
 #   LOG      a file for what it prints, if the executor needs one; its folder exists
 # $(call job_threads,NAME): the threads that such a job should get, as a word of the shell. The recipe hands them to the
 #   tool (--threads) and back to `job`.
+# $(call before_run,RUN): if it has one, a command that make runs before it looks at the files of a run; what it prints ends make.
 # EXECUTOR_VARIABLES, if it has any: the names of its own variables, which a user may then set on make's command line.
 #
 # What recipes count on. The arguments of the command arrive byte for byte, in this working folder and with this

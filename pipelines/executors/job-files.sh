@@ -1,0 +1,41 @@
+# What the scripts of the executor `slurm` share: who is alive, and the note of a job. Sourced.
+
+# A job's note (.stamps/NAME.job) is what its node works from, and its lease: a node whose note is gone or is another's ends the tool.
+# Fields end with NUL: token, who waits (host, process, its start), the job's name in Slurm, stage, seconds, folder, then counted lists:
+# inputs as size and name, outputs, NAME=value of the environment; and the command.
+
+# start_of PID: when the process started, in ticks since boot: with it a number names one process. Nothing where there is none.
+start_of() {
+  local stat
+  { stat=$(<"/proc/$1/stat"); } 2>/dev/null || return 0
+  stat=${stat##*) }
+  read -ra stat <<<"$stat"
+  # A process that has ended and waits for its parent is gone.
+  [ "${stat[0]}" = Z ] || printf '%s' "${stat[19]}"
+}
+
+# lives PID START
+lives() { [ -n "$2" ] && [ "$(start_of "$1")" = "$2" ]; }
+
+# token_in NOTE: nothing where there is none.
+token_in() {
+  local token=
+  { IFS= read -r -d '' token <"$1"; } 2>/dev/null || true
+  printf '%s' "$token"
+}
+
+# cancel NAME: the job, or the step of this allocation, that is called so.
+cancel() {
+  local id name
+  if [ -n "${SLURM_JOB_ID:-}" ]; then
+    while IFS='|' read -r id name; do
+      if [ "$name" = "$1" ]; then timeout 20 scancel "$id" || true; fi
+    done < <(timeout 20 squeue --steps --noheader --job "$SLURM_JOB_ID" --format '%i|%j')
+  else
+    timeout 20 scancel --quiet --user "$(id -un)" --name "$1" || true
+  fi
+} >/dev/null 2>&1
+
+# nap SECONDS: without a process.
+nap() { read -rt "$1" -u "$napping" || true; }
+exec {napping}<> <(:)
