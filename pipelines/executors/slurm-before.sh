@@ -5,13 +5,13 @@
 set -u
 stamps=$1/.stamps
 [ -d "$stamps" ] || exit 0
-source "$(dirname -- "${BASH_SOURCE[0]}")/job-files.sh"
+source "${BASH_SOURCE[0]%/*}/job-files.sh"
 shopt -s nullglob
 
 for note in "$stamps"/*.job; do
   mapfile -d '' -t fields <"$note"
   read -r host process started <<<"${fields[1]:-}"
-  if [ "$host" = "$(uname -n)" ] && lives "${process:-0}" "${started:-}"; then
+  if [ "$host" = "$HOSTNAME" ] && lives "${process:-0}" "${started:-}"; then
     echo "$1: another make waits for the job ${fields[2]}: wait for it, or end it" >&2
     exit 1
   fi

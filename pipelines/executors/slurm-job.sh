@@ -8,7 +8,7 @@ read -ra inputs <<<"$3"
 read -ra outputs <<<"$4"
 stamp=${5%.log}
 shift 7
-scripts=$(dirname -- "${BASH_SOURCE[0]}")
+scripts=${BASH_SOURCE[0]%/*}
 source "$scripts/job-files.sh"
 source "$scripts/resources.sh"
 patience=${PM_PATIENCE:-60}
@@ -45,15 +45,18 @@ fi
 
 # --- Its note, and the files before it ------------------------------------------------------------------------------
 
-note=$(realpath -m -- "$stamp.job")
-run=$(basename -- "$(dirname -- "$(dirname -- "$note")")")
+note=$stamp.job
+if [[ $note != /* ]]; then note=$PWD/$note; fi
+run=${note%/.stamps/*}
+run=${run##*/}
 start=$(start_of $$)
 srun=- guard= token=
 
 declare -A before=()
 folders=()
 for output in "${outputs[@]}"; do
-  folder=$(dirname -- "$output")
+  folder=./
+  if [[ $output = */* ]]; then folder=${output%/*}; fi
   if [ -d "$folder" ] && [[ " ${folders[*]} " != *" $folder "* ]]; then folders+=("$folder"); fi
 done
 # A file by what it is, then its time in nanoseconds.
@@ -64,7 +67,7 @@ while read -r identity file; do before[$file]=$identity; done < <(list_files)
 
 write_note() { # TOKEN NAME STAGE
   {
-    printf '%s\0' "$1" "$(uname -n) $$ $start" "$2" "$3" "$seconds" "$PWD"
+    printf '%s\0' "$1" "$HOSTNAME $$ $start" "$2" "$3" "$seconds" "$PWD"
     printf '%s\0' ${#files[@]}
     for i in "${!files[@]}"; do printf '%s\0' "${seen[i]%% *}" "${files[i]}"; done
     printf '%s\0' ${#outputs[@]} "${outputs[@]}"
@@ -79,7 +82,7 @@ write_note() { # TOKEN NAME STAGE
 
 clear_up() {
   if [ -n "$guard" ]; then kill -KILL "$guard" 2>/dev/null; wait "$guard" 2>/dev/null; guard=; fi
-  rm -f -- "$note" "$note.ended" "$note.where" "$note.output" "$note.messages"
+  rm -f -- "$note" "$note".*
 }
 end_by_signal() { # STATUS
   trap '' TERM INT HUP
@@ -100,6 +103,8 @@ trap 'end_by_signal 129' HUP
 # --- One try --------------------------------------------------------------------------------------------------------
 
 command=("$@")
+# Make's place in its own jobs is nothing for a node.
+unset MAKEFLAGS MFLAGS MAKELEVEL
 excluded=()
 # try_srun: sets srun_status; what srun and the command print goes to the note's messages, and out when it has ended.
 try_srun() {
@@ -109,11 +114,10 @@ try_srun() {
   if [ "$gpus" -gt 0 ]; then options+=("--gres=gpu:$gpus"); fi
   if [ -n "${SLURM_JOB_ID:-}" ]; then options+=(--exact); fi
   if [ ${#excluded[@]} -gt 0 ]; then options+=("--exclude=$(IFS=,; echo "${excluded[*]}")"); fi
-  # make passes its own place in its jobs on, which is nothing for a node.
-  env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL LC_ALL=C setsid srun "${options[@]}" "${options_of_stage[@]}" bash "$scripts/slurm-node.sh" "$note" "$token" \
+  LC_ALL=C setsid srun "${options[@]}" "${options_of_stage[@]}" bash "$scripts/slurm-node.sh" "$note" "$token" \
     </dev/null >"$note.output" 2>"$note.messages" &
   srun=$!
-  watch_over
+  echo "$srun $(start_of "$srun")" >"$note.srun"
   wait "$srun"
   srun_status=$?
   srun=-
@@ -123,29 +127,21 @@ try_queue() {
   local entry=$PM_QUEUE/todo/$token until_look=0 worker
   : >"$note.output"
   : >"$note.messages"
-  watch_over
   printf '%s\0' "$note" "$token" "$cores" "$memory" "$seconds" >"$PM_QUEUE/new/$token" && mv -- "$PM_QUEUE/new/$token" "$entry"
   while true; do
     nap 0.1
-    if [ "$(ended_token)" = "$token" ]; then srun_status=0; break; fi
+    if has_ended; then srun_status=0; break; fi
     until_look=$((until_look + 1))
     if [ $((until_look % 50)) -eq 0 ] && ! bash "$scripts/slurm-workers.sh" "$PM_QUEUE" look "$token" "$make" >>"$note.messages" 2>&1; then srun_status=137; break; fi
   done
   rm -f -- "$entry" "$PM_QUEUE"/taken/*/"$token"
 }
-watch_over() {
-  setsid bash "$scripts/slurm-guard.sh" $$ "$start" "$make" "$(start_of "$make")" "$PPID" "$(start_of "$PPID")" "$srun" "$note" "$token" "$called" \
-    </dev/null >/dev/null 2>&1 &
-  guard=$!
-}
-
-ended_token() { local word value; { read -r word value <"$note.ended"; } 2>/dev/null; printf '%s' "${value:-}"; }
+has_ended() { local word value; { read -r word value <"$note.ended"; } 2>/dev/null && [ "$value" = "$token" ]; }
 # Of Slurm's own lines only: the command's say what they like.
-slurm_said() { grep -qE "^(srun|slurmstepd[^:]*): .*($1)" "$note.messages"; }
+slurm_said() { [ -s "$note.messages" ] && grep -qE "^(srun|slurmstepd[^:]*): .*($1)" "$note.messages"; }
 show() { # what came of the try, and Slurm's words where it failed
-  cat -- "$note.output" 2>/dev/null
-  if [ "${1:-}" = all ]; then cat -- "$note.messages" >&2; else grep -vE '^(srun|slurmstepd[^:]*): ' -- "$note.messages" >&2; fi
-  rm -f -- "$note.output"
+  if [ -s "$note.output" ]; then cat -- "$note.output"; fi
+  if [ "${1:-}" = all ]; then cat -- "$note.messages" >&2; elif [ -s "$note.messages" ]; then grep -vE '^(srun|slurmstepd[^:]*): ' -- "$note.messages" >&2; fi
 }
 fail() { # STATUS WORDS
   printf '%s: %s\n' "$run/$job" "$2" >&2
@@ -155,26 +151,28 @@ fail() { # STATUS WORDS
 
 # --- Until it is done -----------------------------------------------------------------------------------------------
 
+setsid bash "$scripts/slurm-guard.sh" $$ "$start" "$make" "$(start_of "$make")" $PPID "$(start_of $PPID)" "$note" </dev/null >/dev/null 2>&1 &
+guard=$!
 options_of_stage=("${options[@]}")
 lost=0 more_memory= more_time=
 while true; do
-  token=$(uname -n)-$$-$start-$lost$more_memory$more_time-$RANDOM
-  called=$(printf '%s' "$run/$job" | tr -c 'A-Za-z0-9._/-' _):$token
-  rm -f -- "$note.ended" "$note.where"
+  token=$HOSTNAME-$$-$start-$lost$more_memory$more_time-$RANDOM
+  called=$run/$job
+  called=${called//[^A-Za-z0-9._\/-]/_}:$token
+  if [ $lost$more_memory$more_time != 0 ]; then rm -f -- "$note".*; fi
   write_note "$token" "$called" "$stage" || fail 3 "$note cannot be written"
   clock_then=$(stat -c %.9Y -- "$note")
   if [ -n "${PM_QUEUE:-}" ]; then try_queue; else try_srun; fi
-  kill -KILL "$guard" 2>/dev/null; wait "$guard" 2>/dev/null; guard=
 
   # Its last word may be seen later than srun's, on a file system that is shared.
   patient=$patience
   if [ $srun_status -gt 128 ] || slurm_said 'error'; then patient=1; fi
   deadline=$((SECONDS + patient))
-  until [ "$(ended_token)" = "$token" ] || [ $SECONDS -ge $deadline ]; do nap 0.2; ls -a -- "${note%/*}" >/dev/null; done
+  until has_ended || [ $SECONDS -ge $deadline ]; do nap 0.2; ls -a -- "${note%/*}" >/dev/null; done
 
   node= width= status= ended= took=
   sums=() sent=()
-  if [ "$(ended_token)" = "$token" ]; then
+  if has_ended; then
     while read -r word value; do
       case $word in
         node) node=$value ;;
@@ -220,7 +218,7 @@ while true; do
   elif slurm_said 'CANCELLED AT' && ! slurm_said 'CANCELLED AT .* DUE TO (PREEMPTION|NODE FAILURE|JOB REQUEUE)'; then
     show
     fail 130 "was cancelled on ${node:-its node}"
-  elif slurm_said 'nvalid (account|partition|qos|job id)|More processors requested|ode configuration is not available|violates accounting|has expired|already completing|Memory required by task|Required node not available|Access/permission denied'; then
+  elif slurm_said 'nvalid (account|partition|qos|job id)|More processors requested|ode configuration is not available|violates accounting|has expired|already completing|Memory required by task|Required node not available|Access/permission denied|Could not establish a configuration'; then
     if [ ${#excluded[@]} -gt 0 ]; then excluded=(); continue; fi
     show all
     fail 2 "Slurm does not take it: see the line above"
@@ -247,7 +245,7 @@ if [ "$status" -eq 0 ] || [ "$status" -eq 6 ]; then
     until [ "$(stat -Lc %s -- "$output" 2>/dev/null)" = "$size" ]; do
       if [ $SECONDS -ge $deadline ]; then fail 75 "$output was not seen here with its $size bytes within $patience s after $node wrote it"; fi
       nap 0.2
-      ls -a -- "$(dirname -- "$output")" >/dev/null
+      ls -a -- "${output%/*}" >/dev/null
     done
   done
   # A node's clock is not this one's. What was written while the job ran is given a time of this machine's: no older than its

@@ -7,9 +7,9 @@
 # seconds, status (the command's), ended (time, lease, inputs: why it was not let go on), input SHA256 NAME, output SIZE NAME.
 set -u
 note=$1 token=$2
-source "$(dirname -- "${BASH_SOURCE[0]}")/job-files.sh"
+source "${BASH_SOURCE[0]%/*}/job-files.sh"
 patience=${PM_PATIENCE:-60}
-node=${SLURMD_NODENAME:-$(uname -n)}
+node=${SLURMD_NODENAME:-$HOSTNAME}
 
 deadline=$((SECONDS + patience))
 until [ "$(token_in "$note")" = "$token" ]; do
@@ -31,23 +31,23 @@ finish() { # STATUS [WHY]
   exit "$1"
 }
 begun=$SECONDS
-echo "$node $(date +%s)" >"$note.where" 2>/dev/null
+printf '%s %(%s)T\n' "$node" -1 >"$note.where" 2>/dev/null
 
 # What make saw is what this node has to see; a file system that is shared may take a while.
 count=${fields[at]}
-inputs=()
+inputs=() expected=
 for ((i = 0; i < count; ++i)); do
-  size=${fields[at + 1 + 2 * i]} file=${fields[at + 2 + 2 * i]}
-  until [ "$(stat -Lc %s -- "$file" 2>/dev/null)" = "$size" ]; do
-    if [ $SECONDS -ge $deadline ]; then
-      echo "$node: $file was not seen with its $size bytes within $patience s" >&2
-      finish 75 inputs
-    fi
-    nap 0.2
-  done
-  inputs+=("$file")
+  inputs+=("${fields[at + 2 + 2 * i]}")
+  expected+="${fields[at + 1 + 2 * i]}"$'\n'
 done
 at=$((at + 1 + 2 * count))
+until [ $count -eq 0 ] || [ "$(stat -Lc %s -- "${inputs[@]}" 2>/dev/null)"$'\n' = "$expected" ]; do
+  if [ $SECONDS -ge $deadline ]; then
+    echo "$node: not all of ${inputs[*]} were seen as they are within $patience s" >&2
+    finish 75 inputs
+  fi
+  nap 0.2
+done
 if [ ${#inputs[@]} -gt 0 ]; then
   # A backslash in front of a sum is how sha256sum marks a name that it had to write in another way.
   while read -r sum file; do lines+=("input ${sum#\\} ${file#\*}"); done < <(sha256sum -b -- "${inputs[@]}")
@@ -67,10 +67,11 @@ while IFS=: read -r key flags; do
 done </proc/cpuinfo
 lines+=("width ${PM_KERNELS:-$width}")
 
+reason=
+trap 'reason=time' USR1
+trap 'reason=lease' USR2
 env "${environment[@]}" "${command[@]}" </dev/null &
 tool=$!
-# Why it was ended, from the watch to here.
-why=$(mktemp)
 (
   exec {napping}<> <(:)
   deadline=$((SECONDS + limit)) ending=
@@ -80,7 +81,8 @@ why=$(mktemp)
     if [ "$(token_in "$note")" != "$token" ]; then nap 0.5; [ "$(token_in "$note")" = "$token" ] || ending=lease; fi
     if [ "$limit" -gt 0 ] && [ $SECONDS -ge $deadline ]; then ending=time; fi
     if [ -n "$ending" ]; then
-      echo $ending >"$why"
+      # Its word to the shell below: a signal each, since a disk may be full.
+      if [ $ending = time ]; then kill -USR1 $$; else kill -USR2 $$; fi
       kill -TERM $tool
       nap 5
       kill -KILL $tool
@@ -97,10 +99,8 @@ while true; do
   if ! kill -0 $tool 2>/dev/null; then break; fi
 done
 kill $watch 2>/dev/null
-reason=$(<"$why")
-rm -f -- "$why"
 if [ "$reason" = lease ]; then exit 75; fi
-for file in "${outputs[@]}"; do
-  if size=$(stat -Lc %s -- "$file" 2>/dev/null); then lines+=("output $size $file"); fi
-done
+if [ ${#outputs[@]} -gt 0 ]; then
+  while read -r line; do lines+=("output $line"); done < <(stat -Lc '%s %n' -- "${outputs[@]}" 2>/dev/null)
+fi
 finish $status ${reason:+"$reason"}
