@@ -28,18 +28,18 @@ OWN_SCENE := $(if $(SCENE),$(call same_words,$(source_file),$(abspath $(RUN)/bun
 ifeq ($(PHASE),0)
   ifeq ($(DRY),)
     ifneq ($(shell mkdir -p $(RUN)/inputs $(STAMPS) && bash $(PIPELINES)sweep.sh $(RUN) && echo made),made)
-      $(error $(RUN) cannot be made: is its folder writable?)
+      $(call refuse,$(RUN) cannot be made: is its folder writable?)
     endif
     ifneq ($(value before_run),)
       refusal := $(shell $(call before_run,$(RUN)) 2>&1)
       ifneq ($(refusal),)
-        $(error $(call said,$(refusal)))
+        $(call refuse,$(call said,$(refusal)))
       endif
     endif
     ifeq ($(OWN_SCENE),)
       refusal := $(shell bash $(PIPELINES)claim-run.sh $(RUN) $(call quoted,$(source_variable)=$(or $(source_file),$(EXAMPLE))) $(call quoted,$(source_file)))
       ifneq ($(refusal),)
-        $(error $(refusal))
+        $(call refuse,$(refusal))
       endif
     endif
     linked := $(foreach l,$(LINKS),$(shell ln -sfn -- $(call quoted,$(call linked_to,$(l))) $(l)))

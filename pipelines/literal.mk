@@ -102,4 +102,4 @@ $(foreach v,$(ASKED) $(FROM_ENVIRONMENT),$(if $(value $(v)),$(if $(strip $(call 
 # $(call given_to_tools,NAMES): as the user typed it, in the tools' environment as PM_ASKED_NAME.
 given_to_tools = $(foreach v,$(1),$(eval export PM_ASKED_$(v) := $$(value $(v))))
 # $(call option,FLAG=,VARIABLE): the flag and the variable's value, where it has one.
-option = $(if $(value $(2)),$(1)"$$PM_ASKED_$(2)")
+option = $(if $($(2)),$(1)"$$PM_ASKED_$(2)")

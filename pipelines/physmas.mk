@@ -1,4 +1,5 @@
-# The DAG of one run (paper, Algorithm 1). Included by runs.mk for the goals `run` and `demo`.
+# The DAG of one run (paper, Algorithm 1). Included by runs.mk for the goals `run` and `demo`, and by batch.mk for every scene that it has
+# something to do for.
 #
 # RUN      the run's folder
 # Where the scene comes from, one of (inputs.mk):
@@ -33,7 +34,8 @@
 #    itself again, one fact at a time: the number of restarts says which of them can be trusted. It is one graph; no make
 #    calls another. What lies in a run's folder is data: make reads the lines (`fact`) and includes none of it.
 
-STAMPS := $(RUN)/.stamps
+# Recipes name the run by $(RUN) and $(STAMPS), which in a batch is that of their own target.
+STAMPS = $(RUN)/.stamps
 PHASE := $(if $(MAKE_RESTARTS),$(MAKE_RESTARTS),0)
 
 # The name of a stage's job is its stamp's.
@@ -42,7 +44,7 @@ threads = $(call job_threads,$(@F))
 # $(call missing,FILES): FORCE when one of the files is not there.
 missing = $(if $(filter-out $(wildcard $(1)),$(1)),FORCE)
 # $(call stage,NAME,WHAT): announce a stage, and note that this run did something.
-stage = @mkdir -p $(STAMPS) && touch $(STAMPS)/work && printf '  %-10s %s\n' '$(1)' '$(2)'
+stage = @mkdir -p $(STAMPS) && touch $(STAMPS)/work && printf '  %-10s %s\n' '$(1)' '$(2)' $(to_log)
 # $(call finish,WORDS): the end of a stage. WORDS are the shell's, and name what the stage may have made beside the files that its
 # rule names: those that are there are listed beside its stamp, and `promised` asks for them in the next run.
 finish = @shopt -s nullglob; for f in $(1); do [ ! -f "$$f" ] || printf '%s\n' "$${f\#$(RUN)/}"; done >$@.files; touch $@
@@ -53,8 +55,6 @@ FORCE:
 
 # --- What was asked for: rewritten only when it changes -----------------------------------------------------------
 
-DEFAULTS ?= render.camera=fit render.floor=shadow contact.objects=separate
-$(call given_to_tools,DEFAULTS)
 SETTINGS := $(SET) $(CAMERA:%=render.camera=%) $(DEFAULTS:%=default %)
 GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL) $(call given,MATERIAL),$(v)=$(value $(v))$(newline))
 MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))
@@ -192,10 +192,6 @@ endef
 
 # --- Rounds -------------------------------------------------------------------------------------------------------
 
-# A phase file is always remade, so that make reads itself again once what it hangs on is up to date.
-$(STAMPS)/phase%.mk: FORCE
-	@touch $@
-
 # The facts in the order in which they are learned, one with each restart, and those that are up to date in this
 # invocation. A run specification has at most three rounds.
 FACTS := $(foreach n,0 1 2,candidates/round$(n).mk screen/round$(n).mk)
@@ -206,7 +202,8 @@ known = $(addprefix $(RUN)/,$(filter $(1),$(KNOWN)))
 define fact
 fact_words := $$(if $(2),$$(file <$(2)))
 ifneq ($$(strip $$(foreach w,$$(wordlist 3,999,$$(fact_words)),$$(if $$(call is_plain,$$(w)),,bad))$$(if $(2),$$(filter-out $(1) :=,$$(wordlist 1,2,$$(fact_words))))),)
-  $$(error $(2): found "$$(call said,$$(fact_words))", expected $(1) := names; remove it, and it is made again)
+  $$(call refuse,$(2): found "$$(call said,$$(fact_words))"$$(,) expected $(1) := names; remove it$$(,) and it is made again)
+  fact_words :=
 endif
 $(1) := $$(wordlist 3,999,$$(fact_words))
 endef
@@ -243,13 +240,21 @@ NEXT := $(firstword $(filter-out $(KNOWN),$(foreach n,$(ROUNDS),$(filter %/round
 ifneq ($(DRY),)
   NEXT :=
 endif
-ifneq ($(NEXT),)
+# A batch waits for the end of the run, too, where no fact is left to be learned.
+STEP := $(or $(NEXT:%=$(RUN)/%),$(if $(DRY),,$(LAST_STEP)))
+ifneq ($(STEP),)
   # All tools are built before the first restart: later readings skip the header dependencies.
-  PHASE_FILE := $(STAMPS)/phase$(words $(KNOWN) $(NEXT)).mk
-  $(PHASE_FILE): $(RUN)/$(NEXT) | $(call built,$(RUN_TOOLS))
+  PHASE_FILE := $(STAMPS)/phase$(words $(KNOWN) $(STEP)).mk
+  # Always remade, so that make reads itself again once what it hangs on is up to date.
+  $(PHASE_FILE): $(STEP) FORCE | $(call built,$(RUN_TOOLS))
+	$(if $(NEXT),@echo '# learned' >$@)
   # Empty, whatever lay there. Where a stage fails, make shall not also say that this file is not there.
   $(file >$(PHASE_FILE),)
-  include $(PHASE_FILE)
+  ifeq ($(LAST_STEP),)
+    include $(PHASE_FILE)
+  else
+    -include $(PHASE_FILE)
+  endif
 endif
 
 # --- The end of a run ---------------------------------------------------------------------------------------------
@@ -272,20 +277,22 @@ $(STAMPS)/error: $(RUN)/spec/simulate.json $(RUN)/spec/render.json $(RUN)/state.
 	$(call stage,error,$(RUN)/error.json)
 	@$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/error.json,$@.log) \
 	$(BIN)/pm-eval error --scene $< --view $(RUN)/spec/render.json --state $(RUN)/state.h5 --accepted $(RUN)/accepted.json \
-	  --out $(RUN)/error.json --threads $(threads)
+	  --out $(RUN)/error.json --threads $(threads) $(to_log)
 	$(finish)
 
-.PHONY: run-finished
-run-finished: $(RUN)/screen/round$(LAST_ROUND).json $(if $(filter fail,$(PM_DECISION$(LAST_ROUND))),$(STAMPS)/best) \
-              $(if $(ERROR),$(if $(ACCEPTED),$(STAMPS)/error))
+.PHONY: $(FINISHED)
+$(FINISHED): $(RUN)/screen/round$(LAST_ROUND).json $(if $(filter fail,$(PM_DECISION$(LAST_ROUND))),$(STAMPS)/best) \
+             $(if $(ERROR),$(if $(ACCEPTED),$(STAMPS)/error))
 ifneq ($(ACCEPTED),)
-	@if [ -e $(STAMPS)/work ]; then echo "Accepted."; else echo "Nothing to do: $(RUN) is up to date."; fi
-	@printf '  video   %s\n  audit   %s\n  screen  %s\n' $(RUN)/final.mp4 $(RUN)/accepted.json $(RUN)/screen/round$(LAST_ROUND).json
-	@$(if $(ERROR),printf '  error   %s\n' $(RUN)/error.json)
+	@{ if [ -e $(STAMPS)/work ]; then echo "Accepted."; else echo "Nothing to do: $(RUN) is up to date."; fi; \
+	printf '  video   %s\n  audit   %s\n  screen  %s\n' $(RUN)/final.mp4 $(RUN)/accepted.json $(RUN)/screen/round$(LAST_ROUND).json; \
+	$(if $(ERROR),printf '  error   %s\n' $(RUN)/error.json;) } $(to_log)
 	@rm -f $(STAMPS)/work $(STAMPS)/best $(RUN)/best.mp4
+	$(call ended,0)
 else
 	@rm -f $(STAMPS)/work
 	@$(call job,explain,1,$(job_inputs),,$(STAMPS)/explain.log) \
 	$(BIN)/pm-screen --explain --out $(RUN)/screen/round$(LAST_ROUND).json
-	@echo "No candidate was admitted: see $(RUN)/screen/round$(LAST_ROUND).json; the best is $(RUN)/best.mp4" >&2; exit 6
+	@echo "No candidate was admitted: see $(RUN)/screen/round$(LAST_ROUND).json; the best is $(RUN)/best.mp4" $(or $(to_log),>&2)
+	$(call ended,6)
 endif

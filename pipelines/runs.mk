@@ -71,6 +71,9 @@ ifneq ($(filter run,$(MAKECMDGOALS)),)
   endif
 endif
 ifneq ($(filter demo run,$(MAKECMDGOALS)),)
+  # The batch has others (batch.mk).
+  FINISHED := run-finished
+  ended = @exit $(1)
   include $(PIPELINES)physmas.mk
 endif
 ifneq ($(filter batch,$(MAKECMDGOALS)),)

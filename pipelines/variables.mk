@@ -24,34 +24,9 @@ ifneq ($(unknown),)
   $(error make $(call said,$(MAKECMDGOALS)) has no variable $(unknown)$(nearest:%=; the nearest is %))
 endif
 
-given = $(strip $(foreach v,$(1),$(if $(value $(v)),$(v))))
-ifneq ($(filter run demo,$(MAKECMDGOALS)),)
-  sources := $(call given,$(SOURCE_VARIABLES))
-  ifneq ($(word 2,$(sources)),)
-    $(error A run has one scene: give $(firstword $(sources)) or $(word 2,$(sources)), not both)
-  endif
-  ifneq ($(filter demo,$(MAKECMDGOALS)),)
-    ifneq ($(filter-out EXAMPLE,$(sources)),)
-      $(error make demo runs an example: make run $(sources)=... runs your own scene)
-    endif
-  endif
-  ifeq ($(filter GAUSSIANS,$(sources)),)
-    ifneq ($(call given,$(IMPORT_VARIABLES)),)
-      $(error $(firstword $(call given,$(IMPORT_VARIABLES))) goes with GAUSSIANS=file: $(if $(filter EXAMPLE,$(sources)),an example,a bundle) has its own; PROMPT, SPEC and SET change a run of it)
-    endif
-  endif
-  # An import without a prompt is a mistake that is better told here than by a tool.
-  ifneq ($(filter GAUSSIANS,$(sources)),)
-    ifeq ($(strip $(value PROMPT)),)
-      $(error make run GAUSSIANS=... also needs PROMPT="what should happen")
-    endif
-  endif
-  ifneq ($(value MODEL),)
-    ifeq ($(call given,AGENT SCENE_AGENT),)
-      $(error MODEL names a model of a chat server: it goes with AGENT=URL or SCENE_AGENT=URL)
-    endif
-  endif
-endif
+given = $(strip $(foreach v,$(1),$(if $($(v)),$(v))))
+# $(call refuse,WHY): ends make. A batch has another, for one scene.
+refuse = $(error $(1))
 
 ifneq ($(filter-out 1,$(ERROR)),)
   $(error ERROR: found "$(ERROR)", expected 1: estimate the discretisation error)
@@ -59,6 +34,7 @@ endif
 
 # --- What they name -----------------------------------------------------------------------------------------------
 
+DEFAULTS ?= render.camera=fit render.floor=shadow contact.objects=separate
 $(call given_to_tools,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES))
 
 # Who may be recorded: replay:FOLDER.
@@ -75,29 +51,19 @@ define check_name
 ifneq ($$(call file_named,$(1)),)
   named := $$(strip $$(call kind_of,$$(call file_named,$(1))))
   ifeq ($$(named),)
-    $$(error $(1)=$$(call said,$$(value $(1))) is not there)
+    $$(call refuse,$(1)=$$(call said,$$(value $(1))) is not there)
   endif
   ifeq ($$(filter $(2),$$(named)),)
-    $$(error $(1)=$$(call said,$$(value $(1))) is a $$(named), expected a $(2))
+    ifneq ($$(named),)
+      $$(call refuse,$(1)=$$(call said,$$(value $(1))) is a $$(named)$$(,) expected a $(2))
+    endif
   endif
 endif
 endef
 
 ifneq ($(filter run demo batch,$(MAKECMDGOALS)),)
-ifeq ($(MAKE_RESTARTS),)
-  $(foreach v,$(FILE_VARIABLES),$(eval $(call check_name,$(v),file)))
-  $(foreach v,$(FOLDER_VARIABLES),$(eval $(call check_name,$(v),folder)))
-  $(foreach v,$(REPLAYABLE),$(if $(call replay_folder,$(v)),$(if $(filter folder,$(call kind_of,$(call replay_folder,$(v)))),, \
-    $(error $(v)=$(call said,$($(v))) is no folder of recorded exchanges))))
-  $(foreach v,$(EITHER_VARIABLES),$(eval $(call check_name,$(v),file folder)))
-  ifneq ($(EXAMPLE),)
-    ifeq ($(and $(call is_plain,$(value EXAMPLE)),$(wildcard $(EXAMPLES)$(EXAMPLE).json)),)
-      example_names := $(notdir $(basename $(shell grep -l physmas/example/1 $(EXAMPLES)*.json)))
-      nearest := $(shell bash $(PIPELINES)nearest-name.sh $(call quoted,$(value EXAMPLE)) $(example_names))
-      $(error EXAMPLE=$(call said,$(value EXAMPLE)) is no example$(if $(nearest),; the nearest is $(nearest),: there are $(example_names)))
-    endif
-  endif
-endif
+  check_sources := $(filter run demo,$(MAKECMDGOALS))
+  include $(PIPELINES)scene-variables.mk
 endif
 
 # What make works in must be a name that it can hold, also where it is made from other names.
