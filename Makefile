@@ -235,7 +235,7 @@ ifneq ($(filter pictures,$(MAKECMDGOALS)),)
   include docs/pictures.mk
 endif
 
-.PHONY: demo run audit batch evaluate evaluate-register pictures
+.PHONY: demo run audit batch batch-status evaluate evaluate-register pictures
 demo: run-finished ## Install, build, run the example EXAMPLE=cake end to end, say where the video is
 run: run-finished ## Run your own file: GAUSSIANS=scene.ply PROMPT="..." [UP=z] [RUN=runs/name] [SET="key=value ..."]
 audit: run-audited ## Compare a finished run with what its records name: [RUN=runs/demo]
@@ -244,6 +244,7 @@ evaluate-register: $(BIN)/pm-eval ## Register the benchmark's files as they are 
 	@$(BIN)/pm-eval suite --suite $(or $(SUITE),examples/suite.json) --register
 pictures: pictures-finished ## Make the moving pictures of the docs again: [GUITAR=guitar.compressed.ply]
 batch: batch-finished ## Run many scenes and write one table: SCENES="cake my/scene.json ..." or SCENES=list.txt
+batch-status: batch-shown ## What of a batch runs where, and the time left: [BATCH=runs/batch] [EVERY=2]
 
 # --- Tests --------------------------------------------------------------------------------------------------------
 

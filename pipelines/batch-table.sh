@@ -9,6 +9,9 @@ for name in ${to_do[@]+"${to_do[@]}"}; do
     printf '  %-13s  %s\n' failed "$batch/$name"
   fi
 done
+# A table of the same scenes, of which none was run, is there already.
+if [ -z "${to_do[*]-}" ] && [ -e "$batch/table.tsv" ] && cmp -s "$batch/.live/scenes" "$batch/.live/in-table"; then exit 0; fi
+rm -f -- "$batch/.live/in-table"
 mapfile -t names <"$batch/.live/scenes"
 "$BIN/pm-screen" --table "${names[@]/#/$batch/}" --out "$batch/table.tsv" || exit
 # Kernels of different width round differently (docs/install.md).
@@ -16,5 +19,5 @@ widths=$(find "$batch" -mindepth 3 -maxdepth 3 -path '*/.stamps/*.ran' -name '[s
 if [ "$(cut -d' ' -f1 <<<"$widths" | sort -u | wc -l)" -gt 1 ]; then
   echo "The nodes' processors differ in width ($(paste -sd, <<<"$widths" | sed 's/,/, /g')): the last digits of their results may differ; PM_KERNELS=avx2 with tools of ARCH=baseline makes them equal" >&2
 fi
-rm -rf -- "$batch/.live/running"
+cp -- "$batch/.live/scenes" "$batch/.live/in-table"
 exit 0

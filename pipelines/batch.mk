@@ -79,6 +79,8 @@ job = $(if $(filter %/.stamps,$(@D)),$(call batch_script,job) $(BATCH) $(RUN) $(
 ended = @$(call batch_script,end) $(BATCH) $(RUN) $(1)
 FINISHED = $(RUN)/.stamps/finished
 LAST_STEP = $(FINISHED)
+# All at once, by batch-begin.sh.
+sweep = true
 
 # Variables that recipes of physmas.mk have, and that differ between scenes.
 STATE := $(OWN_VARIABLES) BUNDLE SLICES GROUNDED MATERIAL_INPUTS LAST_ROUND IDS BEST_CAMERAS NEXT \

@@ -27,7 +27,7 @@ source_file := $(if $(EXAMPLE),,$(call whole_name,$(value $(source_variable))))
 OWN_SCENE := $(if $(SCENE),$(call same_words,$(source_file),$(abspath $(RUN)/bundle/scene.json)))
 ifeq ($(PHASE),0)
   ifeq ($(DRY),)
-    ifneq ($(shell mkdir -p $(RUN)/inputs $(STAMPS) && bash $(PIPELINES)sweep.sh $(RUN) && echo made),made)
+    ifneq ($(shell mkdir -p $(RUN)/inputs $(STAMPS) && $(sweep) && echo made),made)
       $(call refuse,$(RUN) cannot be made: is its folder writable?)
     endif
     ifneq ($(value before_run),)

@@ -34,14 +34,15 @@ SAME_MAKE := -f $(THIS_FILE)
 .DEFAULT_GOAL := help
 include $(firstword $(wildcard $(addprefix $(dir $(THIS_FILE)),runs.mk pipelines/runs.mk)))
 
-.PHONY: demo run audit batch evaluate help
+.PHONY: demo run audit batch batch-status evaluate help
 demo: run-finished ## Run the example EXAMPLE=cake end to end, say where the video is
 run: run-finished ## Run your own file: GAUSSIANS=scene.ply PROMPT="..." [UP=z] [RUN=runs/name] [SET="key=value ..."]
 audit: run-audited ## Compare a finished run with what its records name: [RUN=runs/demo]
 evaluate: evaluate-finished ## Run the registered benchmark and print its tables: [CASES="cake lamp"] [EVALUATE=runs/evaluate]
 batch: batch-finished ## Run many scenes and write one table: SCENES="cake my/scene.json ..." or SCENES=list.txt
+batch-status: batch-shown ## What of a batch runs where, and the time left: [BATCH=runs/batch] [EVERY=2]
 
 help: ## List the goals
 	@echo 'Usage: make $(SAME_MAKE) goal [NAME=value ...]'
-	@sed -nE 's/^([a-z]+):.* ## (.*)/\1\t\2/p' $(THIS_FILE) | awk -F '\t' '{ printf "  %-10s %s\n", $$1, $$2 }'
+	@sed -nE 's/^([a-z-]+):.* ## (.*)/\1\t\2/p' $(THIS_FILE) | awk -F '\t' '{ printf "  %-10s %s\n", $$1, $$2 }'
 	@echo 'Variables: THREADS, EXECUTOR, BIN=$(BIN)'

@@ -27,7 +27,7 @@ mapfile -t former < <(grep -xE '[a-z0-9-]+' "$ids" || true)
 ids_of "$run"/candidates/round?.mk | sort -u >"$ids.new"
 for id in "${former[@]}"; do
   if ! grep -qxF -- "$id" "$ids.new"; then
-    rm -f "$run/candidates/$id.json" "$run"/{rollouts,videos}/"$id".* "$run"/.stamps/{simulate,render}-"$id"{,.log}
+    rm -f "$run/candidates/$id.json" "$run"/{rollouts,videos}/"$id".* "$run"/.stamps/{simulate,render}-"$id"{,.log,.files,.inputs,.ran}
   fi
 done
 mv "$ids.new" "$ids"

@@ -1,4 +1,4 @@
-# The goals run, demo, audit, batch and evaluate: their variables, and what physmas.mk, batch.mk and evaluate.mk share. Included
+# The goals run, demo, audit, batch, batch-status and evaluate: their variables, and what physmas.mk, batch.mk and evaluate.mk share. Included
 # by the Makefile and by installed.mk, which say:
 #
 # BIN          the folder of the tools
@@ -21,7 +21,7 @@ RUN_TOOLS := pm-scene pm-ground pm-lift pm-material pm-candidates pm-simulate pm
 # $(call built,TOOLS): what a rule that runs TOOLS waits for.
 built = $(filter $(1:%=$(BIN)/%),$(BUILT_TOOLS))
 
-ifneq ($(filter demo run batch evaluate audit,$(MAKECMDGOALS)),)
+ifneq ($(filter demo run batch batch-status evaluate audit,$(MAKECMDGOALS)),)
   EXECUTOR ?= local
   EXECUTORS := $(sort $(patsubst $(PIPELINES)executors/%.mk,%,$(wildcard $(PIPELINES)executors/*.mk)))
   EXECUTOR_FILE := $(if $(filter %.mk,$(EXECUTOR)),$(wildcard $(EXECUTOR)), \
@@ -74,10 +74,17 @@ ifneq ($(filter demo run,$(MAKECMDGOALS)),)
   # The batch has others (batch.mk).
   FINISHED := run-finished
   ended = @exit $(1)
+  sweep = bash $(PIPELINES)sweep.sh $(RUN)
   include $(PIPELINES)physmas.mk
 endif
 ifneq ($(filter batch,$(MAKECMDGOALS)),)
   include $(PIPELINES)batch.mk
+endif
+ifneq ($(filter batch-status,$(MAKECMDGOALS)),)
+  BATCH ?= runs/batch
+  .PHONY: batch-shown
+  batch-shown:
+	@bash $(PIPELINES)batch-status.sh $(BATCH) $(EVERY)
 endif
 ifneq ($(filter audit,$(MAKECMDGOALS)),)
   RUN ?= runs/demo

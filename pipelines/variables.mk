@@ -1,4 +1,4 @@
-# The variables of `make run`, `demo`, `audit`, `batch` and `evaluate`, and what they name: no variable is ignored. One that nobody
+# The variables of `make run`, `demo`, `audit`, `batch`, `batch-status` and `evaluate`, and what they name: no variable is ignored. One that nobody
 # knows, that another excludes, or whose file is not there ends make in one line, before a folder is made. Included by
 # runs.mk, which gives EXAMPLES and PIPELINES.
 
@@ -14,6 +14,7 @@ KNOWN_VARIABLES := $(CALL_VARIABLES) \
   $(if $(filter run demo,$(MAKECMDGOALS)),RUN $(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) \
   $(if $(filter audit,$(MAKECMDGOALS)),RUN) \
   $(if $(filter batch,$(MAKECMDGOALS)),SCENES BATCH $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) \
+  $(if $(filter batch-status,$(MAKECMDGOALS)),BATCH EVERY) \
   $(if $(filter evaluate,$(MAKECMDGOALS)),SUITE CASES EVALUATE)
 
 # --- Names --------------------------------------------------------------------------------------------------------

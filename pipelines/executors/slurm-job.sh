@@ -28,7 +28,7 @@ if [ ${#files[@]} -gt 0 ]; then mapfile -t seen < <(stat -Lc '%s %.9Y %n' -- "${
 # remember_inputs SHA256...: of the files, for slurm-before.sh.
 remember_inputs() {
   local sums=("$@") i
-  if [ -z "$stamp" ] || [ ${#sums[@]} -ne ${#seen[@]} ]; then return; fi
+  if [[ $stamp != */.stamps/* ]] || [ ${#sums[@]} -ne ${#seen[@]} ]; then return; fi
   for i in "${!sums[@]}"; do printf '%s %s\n' "${sums[i]}" "${seen[i]}"; done >"$stamp.inputs.new"
   mv -f -- "$stamp.inputs.new" "$stamp.inputs"
 }
@@ -36,7 +36,7 @@ remember_inputs() {
 if [ -n "$here" ]; then
   "$@"
   status=$?
-  if [ ${#files[@]} -gt 0 ] && { [ $status -eq 0 ] || [ $status -eq 6 ]; }; then
+  if [ ${#files[@]} -gt 0 ] && [[ $stamp = */.stamps/* ]] && { [ $status -eq 0 ] || [ $status -eq 6 ]; }; then
     mapfile -t sums < <(sha256sum -b -- "${files[@]}" | sed -E 's/^\\?([0-9a-f]+).*/\1/')
     remember_inputs "${sums[@]}"
   fi
@@ -84,11 +84,16 @@ clear_up() {
   if [ -n "$guard" ]; then kill -KILL "$guard" 2>/dev/null; wait "$guard" 2>/dev/null; guard=; fi
   rm -f -- "$note" "$note".*
 }
+fail() { # STATUS WORDS
+  printf '%s: error: %s\n' "$run/$job" "$2" >&2
+  clear_up
+  exit "$1"
+}
 end_by_signal() { # STATUS
   trap '' TERM INT HUP
   rm -f -- "$note"
   if [ "$srun" != - ]; then kill -TERM "$srun" 2>/dev/null; fi
-  if [ -n "$token" ]; then cancel "$called"; fi
+  if [ -n "$token" ] && [ -z "${PM_QUEUE:-}" ]; then cancel "$called"; fi
   if [ "$srun" != - ]; then
     for _ in 1 2 3 4 5 6; do kill -0 "$srun" 2>/dev/null || break; nap 0.5; done
     kill -KILL "$srun" 2>/dev/null
@@ -102,6 +107,11 @@ trap 'end_by_signal 129' HUP
 
 # --- One try --------------------------------------------------------------------------------------------------------
 
+if [ -n "${PM_QUEUE:-}" ] && read -r worker_cores worker_memory worker_seconds < <(cat -- "$PM_QUEUE/worker" 2>/dev/null); then
+  if [ "$cores" -gt "$worker_cores" ] || [ "$memory" -gt "$worker_memory" ] || [ "$seconds" -gt "$worker_seconds" ]; then
+    fail 2 "the stage $stage asks for $cores cores, $memory MiB, $seconds s: a worker has $worker_cores cores, $worker_memory MiB, $worker_seconds s (RESOURCES)"
+  fi
+fi
 command=("$@")
 # Make's place in its own jobs is nothing for a node.
 unset MAKEFLAGS MFLAGS MAKELEVEL
@@ -124,18 +134,24 @@ try_srun() {
 }
 # The same by the workers of an array job.
 try_queue() {
-  local entry=$PM_QUEUE/todo/$token until_look=0 worker
+  local entry=$EPOCHREALTIME-$token watch watch_start beats=0
   : >"$note.output"
   : >"$note.messages"
-  printf '%s\0' "$note" "$token" "$cores" "$memory" "$seconds" >"$PM_QUEUE/new/$token" && mv -- "$PM_QUEUE/new/$token" "$entry"
-  while true; do
-    nap 0.1
-    if has_ended; then srun_status=0; break; fi
-    until_look=$((until_look + 1))
-    if [ $((until_look % 50)) -eq 0 ] && ! bash "$scripts/slurm-workers.sh" "$PM_QUEUE" look "$token" "$make" >>"$note.messages" 2>&1; then srun_status=137; break; fi
+  printf '%s\0' "$note" "$token" "$seconds" >"$PM_QUEUE/new/$entry" && mv -- "$PM_QUEUE/new/$entry" "$PM_QUEUE/todo/$entry"
+  srun_status=137
+  while [ -d "$PM_QUEUE/todo" ]; do
+    nap 0.05
+    if [ -e "$PM_QUEUE/done/$entry" ]; then srun_status=0; break; fi
+    if [ -e "$PM_QUEUE/lost/$entry" ]; then cat -- "$PM_QUEUE/lost/$entry" >>"$note.messages"; break; fi
+    beats=$((beats + 1))
+    if [ $((beats % 100)) -eq 0 ]; then
+      read -r watch watch_start < <(cat -- "$PM_QUEUE/watch" 2>/dev/null)
+      if ! lives "${watch:-0}" "${watch_start:-}"; then bash "$scripts/slurm-workers.sh" "$PM_QUEUE" watch "$make"; fi
+    fi
   done
-  rm -f -- "$entry" "$PM_QUEUE"/taken/*/"$token"
+  rm -f -- "$PM_QUEUE/todo/$entry" "$PM_QUEUE/done/$entry" "$PM_QUEUE/lost/$entry"
 }
+
 has_ended() { local word value; { read -r word value <"$note.ended"; } 2>/dev/null && [ "$value" = "$token" ]; }
 # Of Slurm's own lines only: the command's say what they like.
 slurm_said() { [ -s "$note.messages" ] && grep -qE "^(srun|slurmstepd[^:]*): .*($1)" "$note.messages"; }
@@ -143,12 +159,6 @@ show() { # what came of the try, and Slurm's words where it failed
   if [ -s "$note.output" ]; then cat -- "$note.output"; fi
   if [ "${1:-}" = all ]; then cat -- "$note.messages" >&2; elif [ -s "$note.messages" ]; then grep -vE '^(srun|slurmstepd[^:]*): ' -- "$note.messages" >&2; fi
 }
-fail() { # STATUS WORDS
-  printf '%s: %s\n' "$run/$job" "$2" >&2
-  clear_up
-  exit "$1"
-}
-
 # --- Until it is done -----------------------------------------------------------------------------------------------
 
 setsid bash "$scripts/slurm-guard.sh" $$ "$start" "$make" "$(start_of "$make")" $PPID "$(start_of $PPID)" "$note" </dev/null >/dev/null 2>&1 &
@@ -228,7 +238,7 @@ while true; do
 
   # Not the command's end, but its node's, the network's or Slurm's.
   show all
-  cancel "$called"
+  if [ -z "${PM_QUEUE:-}" ]; then cancel "$called"; fi
   lost=$((lost + 1))
   if [ $lost -ge 8 ]; then fail 75 "$why, $lost times"; fi
   echo "$run/$job: $why; once more" >&2
@@ -262,7 +272,7 @@ if [ "$status" -eq 0 ] || [ "$status" -eq 6 ]; then
   done < <(list_files)
   if [ ${#late[@]} -gt 0 ]; then touch -c -- "${late[@]}"; fi
   remember_inputs "${sums[@]}"
-  if [ -n "$stamp" ]; then printf '%s %s %s\n' "$node" "$width" "$took" >"$stamp.ran"; fi
+  if [[ $stamp = */.stamps/* ]]; then printf '%s %s %s\n' "$node" "$width" "$took" >"$stamp.ran"; fi
 fi
 clear_up
 exit "$status"

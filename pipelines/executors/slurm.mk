@@ -19,7 +19,6 @@ endif
 ifneq ($(filter-out memory time,$(RETRY)),)
   $(error RETRY=$(RETRY): expected memory, time, or both)
 endif
-$(foreach v,ARRAY PATIENCE,$(if $(call without_digits,0 1 2 3 4 5 6 7 8 9,$($(v))),$(error $(v)=$($(v)): expected a number)))
 ifneq ($(value RESOURCES),)
   ifeq ($(wildcard $(RESOURCES)),)
     $(error RESOURCES=$(call said,$(RESOURCES)) is not there)
@@ -53,9 +52,9 @@ before_run = bash $(SLURM_FOLDER)slurm-before.sh $(1)
 
 # The workers' queue, and the array job that empties it.
 ifneq ($(filter-out 0,$(ARRAY)),)
-  export PM_QUEUE := $(abspath $(or $(BATCH),$(RUN),$(EVALUATE),.))/.queue
+  export PM_QUEUE := $(or $(BATCH),$(RUN),$(EVALUATE),.)/.queue
   ifeq ($(MAKE_RESTARTS)$(DRY),)
-    workers := $(shell bash $(SLURM_FOLDER)slurm-workers.sh $(PM_QUEUE) $(ARRAY) $(MAKE_PROCESS) 2>&1 || printf ' refused')
+    workers := $(shell PM_RESOURCES='$(resource_files)' bash $(SLURM_FOLDER)slurm-workers.sh $(PM_QUEUE) $(ARRAY) $(MAKE_PROCESS) 2>&1 || printf ' refused')
     ifneq ($(filter refused,$(workers)),)
       $(error $(call said,$(filter-out refused,$(workers))))
     endif
