@@ -53,7 +53,8 @@ require_variable() { # WORD
   [[ " $variables " = *" $name "* ]] || refuse "a scene has no variable $name: there are $variables"
   case $name in
     AGENT | SCENE_AGENT | PERCEPTION | PREDICTOR)
-      [[ $1 != *://*[@?#]* && ($1 = *=replay:* || $1 != *@*) ]] || refuse "$name holds a user name, a password or a query: the key belongs into the environment variable PM_API_KEY"
+      [[ $1 != *://*[@#]* && ($1 = *=replay:* || $1 != *@*) && -z $(bash "$(dirname -- "$0")/url-credentials.sh" "$1") ]] ||
+        refuse "$name holds a user name, a password, or what may be one in its query: the key belongs into the environment variable PM_API_KEY, or into HEADERS=file"
       ;;
   esac
 }

@@ -10,12 +10,17 @@ ifneq ($(missing_programs),)
   $(error $(missing_programs)not found on PATH: expected the ordinary programs of a Debian system in it, as in PATH=/usr/bin:/bin)
 endif
 
+# Where this file and its helpers lie.
+LITERAL := $(dir $(lastword $(MAKEFILE_LIST)))
+
 # Where a scene comes from: one of these.
 SOURCE_VARIABLES := EXAMPLE GAUSSIANS SCENE
 # How a file of Gaussians is imported: examples and bundles have what these say.
 IMPORT_VARIABLES := UP FRONT INVENTORY MASKS VIEWS CAMERAS DATAPARSER PHYSGAUSSIAN OPACITY CROP DROP AZIMUTH ELEVATION
+# How model servers are asked.
+SERVER_VARIABLES := TIMEOUT BUDGET RETRIES HEADERS BODY TENSORS
 # What is done with any scene.
-SCENE_VARIABLES := PROMPT MATERIAL SPEC SET CAMERA DEFAULTS SCENE_AGENT PERCEPTION AGENT MODEL PREDICTOR AUTHORED BASE ERROR
+SCENE_VARIABLES := PROMPT MATERIAL SPEC SET CAMERA DEFAULTS SCENE_AGENT PERCEPTION AGENT MODEL PREDICTOR AUTHORED BASE $(SERVER_VARIABLES) ERROR
 
 TEXT_VARIABLES := $(filter-out EXAMPLE BASE ERROR,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) SCENES DESTDIR PREFIX MAINTAINER
 # One word each.
@@ -82,7 +87,7 @@ $(foreach v,$(FROM_ENVIRONMENT),$(eval $(v) := $$(value $(v))))
 complaint = $(call complaint_about,$(1),$(value $(1)))
 complaint_about = $(or $(if $(filter $(1),$(TEXT_VARIABLES)),$(about_text)),$(if $(filter $(1),$(WORKING_FOLDERS)),$(about_folder)), \
                     $(if $(filter $(1),$(TEXT_VARIABLES)),,$(or $(about_words),$(if $(filter $(1),$(WORD_VARIABLES)),$(about_word)),$(if $(filter $(1),$(NAMES_VARIABLES)),$(about_names)))), \
-                    $(if $(filter THREADS ARRAY PATIENCE EVERY,$(1)),$(about_number)),$(if $(filter CROP,$(1)),$(about_numbers)))
+                    $(if $(filter THREADS ARRAY PATIENCE EVERY RETRIES,$(1)),$(about_number)),$(if $(filter TIMEOUT BUDGET,$(1)),$(about_seconds)),$(if $(filter CROP,$(1)),$(about_numbers)))
 about_text = $(if $(filter PROMPT,$(1)),,$(if $(has_control_2),a line end or a control character is no part of it))
 has_control_2 = $(call has_control,$(2))
 about_folder = $(if $(call is_plain,$(2)),,GNU Make cannot work in a folder whose name begins with - or has spaces or one of $(strip $(special)): give another $(1))
@@ -90,13 +95,18 @@ about_words = $(if $(call are_words,$(2)),,make and a shell read it$(,) expected
 about_word = $(if $(and $(filter 1,$(words $(2))),$(if $(filter -%,$(2)),,y)),,expected one word that does not begin with -)
 about_names = $(if $(strip $(foreach w,$(2),$(if $(call is_plain,$(w)),,$(w)))),expected names)
 about_number = $(if $(call without_digits,0 1 2 3 4 5 6 7 8 9,$(2)),expected a number)
+about_seconds = $(if $(call without_digits,0 1 2 3 4 5 6 7 8 9 .,$(2)),expected a number of seconds)
 about_numbers = $(if $(filter-out $(foreach d,0 1 2 3 4 5 6 7 8 9 .,-$(d)%),$(filter -%,$(2))),expected six numbers)
-without_digits = $(if $(1),$(call without_digits,$(wordlist 2,10,$(1)),$(subst $(firstword $(1)),,$(2))),$(2))
+without_digits = $(if $(1),$(call without_digits,$(wordlist 2,11,$(1)),$(subst $(firstword $(1)),,$(2))),$(2))
 , := ,
 
 # A key in a URL would be written into the run's folder. The value is not repeated.
-$(foreach v,AGENT SCENE_AGENT PERCEPTION PREDICTOR,$(if $(or $(findstring ://,$(value $(v))),$(if $(filter replay:%,$(firstword $(value $(v)))),,$(findstring @,$(value $(v))))),$(if $(call holds_any,@ ? \#,$(value $(v))),$(error \
-  $(v) holds a user name, a password or a query: the key belongs into the environment variable PM_API_KEY))))
+number_sign := \#
+URL_VARIABLES := AGENT SCENE_AGENT PERCEPTION PREDICTOR
+may_hold_credential = $(if $(findstring ?,$(value $(1))),$(shell bash $(LITERAL)url-credentials.sh $(call quoted,$(value $(1)))))
+$(foreach v,$(URL_VARIABLES),$(if $(or $(findstring ://,$(value $(v))),$(if $(filter replay:%,$(firstword $(value $(v)))),,$(findstring @,$(value $(v))))), \
+  $(if $(or $(call holds_any,@ $(number_sign),$(value $(v))),$(call may_hold_credential,$(v))),$(error \
+  $(v) holds a user name, a password, or what may be one in its query: the key belongs into the environment variable PM_API_KEY$(,) or into HEADERS=file))))
 $(foreach v,$(ASKED) $(FROM_ENVIRONMENT),$(if $(value $(v)),$(if $(strip $(call complaint,$(v))),$(error $(v)=$(call said,$(value $(v))): $(strip $(call complaint,$(v)))))))
 
 # $(call given_to_tools,NAMES): as the user typed it, in the tools' environment as PM_ASKED_NAME.

@@ -17,6 +17,10 @@
 # PERCEPTION   who makes masks: builtin, the URL of an inference server, or replay:DIR                    -> pm-ground --perception
 # AGENT    who looks at the rows: builtin, the URL of a chat server (with MODEL), or replay:DIR    -> pm-material --agent
 # PREDICTOR  none, the URL of an inference server, replay:DIR, or a file of records          -> pm-material --predictor
+# TIMEOUT, BUDGET, RETRIES  seconds for one reply of these servers and for all, and how often a request is sent again
+# HEADERS  a file of further headers for these servers (Name: value), whose values are kept secret      -> --headers
+# BODY     a JSON file of further fields of a request to a chat server                                  -> --body
+# TENSORS  how inference servers get tensors: auto, json or binary                                      -> --tensors
 # AUTHORED a file of authored material records                                               -> pm-material --authored
 # BASE     another run of the same scene: ground, lift and material whose inputs are equal to its inputs take its results
 # ERROR    1: also estimate the accepted run's discretisation error, from the same scene on fewer cells     -> pm-eval error
@@ -56,8 +60,9 @@ FORCE:
 # --- What was asked for: rewritten only when it changes -----------------------------------------------------------
 
 SETTINGS := $(SET) $(CAMERA:%=render.camera=%) $(DEFAULTS:%=default %)
-GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL) $(call given,MATERIAL),$(v)=$(value $(v))$(newline))
-MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED,$(v)=$(value $(v))$(newline))
+# Time limits and headers say how a server is reached, not what it is asked: another value does not ask again.
+GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL $(call given,BODY)) $(if $(PERCEPTION),$(call given,TENSORS)) $(call given,MATERIAL),$(v)=$(value $(v))$(newline))
+MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED $(if $(AGENT),$(call given,BODY)) $(if $(PREDICTOR),$(call given,TENSORS)),$(v)=$(value $(v))$(newline))
 include $(PIPELINES)inputs.mk
 $(eval $(call remember,$(RUN)/settings,$(SETTINGS)))
 $(eval $(call remember,$(RUN)/ground-models,$(GROUND_MODELS)))
@@ -84,17 +89,23 @@ or_base = $(if $(BASE),( $(foreach f,$(1),cmp -s $(RUN)/$(f) $(BASE)/$(f) &&) \
   for f in $(2); do [ -e $(BASE)/$$f ] || exit 1; done && \
   for f in $(2); do cmp -s $(BASE)/$$f $(RUN)/$$f || cp $(BASE)/$$f $(RUN)/$$f || exit; done ) ||)
 
+# $(call server_options,AGENT): how the servers of a stage are asked, of which AGENT is its chat server.
+server_options = $(call option,--timeout=,TIMEOUT) $(call option,--budget=,BUDGET) $(call option,--retries=,RETRIES) \
+  $(call option,--headers=,HEADERS) $(call option,--tensors=,TENSORS) $(if $($(1)),$(call option,--body=,BODY))
+
 # --- Scene agent, lifting, material agent -------------------------------------------------------------------------
 
 GROUNDED := $(RUN)/inventory.json $(RUN)/plan.json $(RUN)/masks.h5
 $(STAMPS)/ground: $(RUN)/spec/ground.json $(RUN)/ground-models $(REPLAYED_SCENE_AGENT) $(REPLAYED_PERCEPTION) \
+                  $(if $(SCENE_AGENT),$(in_make_BODY)) \
                   $(call missing,$(GROUNDED)) $(call promised,ground) | $(call built,pm-ground)
 	$(call stage,ground,$(RUN)/inventory.json)
-	@$(call or_base,spec/ground.json ground-models,inventory.json plan.json masks.h5) \
+	@$(if $(and $(SCENE_AGENT),$(BODY)),,$(call or_base,spec/ground.json ground-models,inventory.json plan.json masks.h5)) \
 	$(call job,$(@F),$(threads),$(job_inputs),$(GROUNDED),$@.log) \
 	$(BIN)/pm-ground --scene $< --out $(RUN) $(call option,--agent=,SCENE_AGENT) $(if $(SCENE_AGENT),$(call option,--model=,MODEL)) \
-	  $(call option,--perception=,PERCEPTION) $(call option,--material=,MATERIAL) --threads $(threads)
-	$(call finish,$(if $(call given,SCENE_AGENT PERCEPTION),$(RUN)/exchanges/{ground,detector,segmenter}_*.json $(RUN)/exchanges/*.png))
+	  $(call option,--perception=,PERCEPTION) $(if $(call given,SCENE_AGENT PERCEPTION),$(call server_options,SCENE_AGENT)) \
+	  $(call option,--material=,MATERIAL) --threads $(threads)
+	$(call finish,$(if $(call given,SCENE_AGENT PERCEPTION),$(RUN)/exchanges/{ground,detector,segmenter}_*.json $(RUN)/exchanges/*.{png,bin}))
 $(GROUNDED): $(STAMPS)/ground ;
 
 $(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(call missing,$(RUN)/state.h5) | $(call built,pm-lift)
@@ -105,7 +116,7 @@ $(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(ca
 	$(finish)
 $(RUN)/state.h5: $(STAMPS)/lift ;
 
-MATERIAL_INPUTS := $(REPLAYED_AGENT) $(REPLAYED_PREDICTOR) $(in_make_AUTHORED) $(in_make_PREDICTOR)
+MATERIAL_INPUTS := $(REPLAYED_AGENT) $(REPLAYED_PREDICTOR) $(in_make_AUTHORED) $(in_make_PREDICTOR) $(if $(AGENT),$(in_make_BODY))
 $(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks.h5 $(RUN)/state.h5 $(RUN)/models \
                     $(MATERIAL_INPUTS) $(call missing,$(RUN)/evidence.json) $(call promised,material) | $(call built,pm-material)
 	$(call stage,material,$(RUN)/evidence.json)
@@ -113,8 +124,8 @@ $(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks
 	$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/evidence.json,$@.log) \
 	$(BIN)/pm-material --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --state $(RUN)/state.h5 \
 	  --out $(RUN)/evidence.json $(call option,--agent=,AGENT) $(if $(AGENT),$(call option,--model=,MODEL)) \
-	  $(call option,--predictor=,PREDICTOR) $(call option,--authored=,AUTHORED) --threads $(threads)
-	$(call finish,$(if $(call given,AGENT PREDICTOR),$(RUN)/exchanges/{material,predictor}_*.json $(RUN)/exchanges/*.png))
+	  $(call option,--predictor=,PREDICTOR) $(if $(call given,AGENT PREDICTOR),$(call server_options,AGENT)) $(call option,--authored=,AUTHORED) --threads $(threads)
+	$(call finish,$(if $(call given,AGENT PREDICTOR),$(RUN)/exchanges/{material,predictor}_*.json $(RUN)/exchanges/*.{png,bin}))
 $(RUN)/evidence.json: $(STAMPS)/material ;
 
 # --- Candidates of a round, and what is done with each ------------------------------------------------------------

@@ -28,6 +28,20 @@ ifneq ($(value MODEL),)
     $(call refuse,MODEL names a model of a chat server: it goes with AGENT=URL or SCENE_AGENT=URL)
   endif
 endif
+ifneq ($(value BODY),)
+  ifeq ($(call given,AGENT SCENE_AGENT),)
+    $(call refuse,BODY has fields of a request to a chat server: it goes with AGENT=URL or SCENE_AGENT=URL)
+  endif
+endif
+ifneq ($(call given,$(SERVER_VARIABLES)),)
+  ifeq ($(call given,AGENT SCENE_AGENT PERCEPTION PREDICTOR),)
+    $(call refuse,$(firstword $(call given,$(SERVER_VARIABLES))) says how a model server is asked: it goes with AGENT=URL$(,) SCENE_AGENT=URL$(,) PERCEPTION=URL or PREDICTOR=URL)
+  endif
+endif
+endif
+
+ifneq ($(filter-out 1,$(ERROR)),)
+  $(call refuse,ERROR: found "$(call said,$(value ERROR))"$(,) expected 1: estimate the discretisation error)
 endif
 
 ifeq ($(MAKE_RESTARTS),)

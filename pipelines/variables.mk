@@ -3,7 +3,7 @@
 # runs.mk, which gives EXAMPLES and PIPELINES.
 
 # Those that name a file, a folder, or either.
-FILE_VARIABLES := SCENE SPEC INVENTORY DATAPARSER PHYSGAUSSIAN AUTHORED PREDICTOR
+FILE_VARIABLES := SCENE SPEC INVENTORY DATAPARSER PHYSGAUSSIAN AUTHORED PREDICTOR HEADERS BODY
 FOLDER_VARIABLES := MASKS VIEWS BASE
 EITHER_VARIABLES := GAUSSIANS CAMERAS
 # An executor's own (EXECUTOR_VARIABLES, executors/local.mk), and those that the build has.
@@ -28,10 +28,6 @@ endif
 given = $(strip $(foreach v,$(1),$(if $($(v)),$(v))))
 # $(call refuse,WHY): ends make. A batch has another, for one scene.
 refuse = $(error $(1))
-
-ifneq ($(filter-out 1,$(ERROR)),)
-  $(error ERROR: found "$(ERROR)", expected 1: estimate the discretisation error)
-endif
 
 # --- What they name -----------------------------------------------------------------------------------------------
 

@@ -22,7 +22,8 @@
 #include "records/masks.h"
 #include "records/plan.h"
 #include "records/scene.h"
-#include "remote/http.h"
+#include "remote/address.h"
+#include "remote/request_files.h"
 
 using namespace physmas;
 using remote::BackendKind;
@@ -48,7 +49,7 @@ std::unique_ptr<remote::Backend> open_model(const Options& options, const std::s
     return remote::open_backend(options.perception, "--perception", "", options.remote);
   const remote::Url url = remote::parse_url(options.perception, "--perception");
   const std::string path = url.path.empty() ? "/v2/models" : url.path;
-  return remote::open_backend(url.origin + path + "/" + name, "--perception", "", options.remote);
+  return remote::open_backend(url.origin + path + "/" + name + url.query, "--perception", "", options.remote);
 }
 
 // The models that the flags name, opened before anything is asked: a wrong flag should not cost an answer.
@@ -63,11 +64,14 @@ class Models {
       throw Error(ExitCode::usage, "--perception " + one_line(options.perception) +
                                        ": expected builtin, masks:DIR, a URL, or replay:DIR");
     }
+    if (!options.remote.body.empty() && agent == BackendKind::builtin)
+      throw Error(ExitCode::usage, "--body has fields of a chat request, expected --agent URL with it");
     if (agent != BackendKind::builtin) {
       agent_ = remote::open_backend(options.agent, "--agent", "/v1", options.remote);
-      chat.emplace(*agent_, options.model);
+      chat.emplace(*agent_, options.model, remote::load_body_fields(options.remote.body));
     }
     if (perception == BackendKind::remote || perception == BackendKind::recorded) {
+      form_ = remote::tensor_form(options.remote.tensors);
       detector_ = open_model(options, options.detector);
       segmenter_ = open_model(options, options.segmenter);
     }
@@ -77,7 +81,7 @@ class Models {
   std::optional<remote::ChatClient> chat;
   bool has_perception() const { return detector_ != nullptr; }
   // Asks both models whether they are ready.
-  masks::MaskModels perception() const { return {*detector_, *segmenter_}; }
+  masks::MaskModels perception() const { return {*detector_, *segmenter_, form_}; }
 
   std::vector<ExchangeReference> exchanges() const {
     std::vector<ExchangeReference> all;
@@ -89,6 +93,7 @@ class Models {
 
  private:
   std::unique_ptr<remote::Backend> agent_, detector_, segmenter_;
+  remote::TensorForm form_ = remote::TensorForm::automatic;
 };
 
 int ground_scene(Options options) {
@@ -202,6 +207,8 @@ int main(int argc, char** argv) {
     app.add_option("--detector", options.detector, "Name of the detector on that server").capture_default_str();
     app.add_option("--segmenter", options.segmenter, "Name of the segmenter on that server").capture_default_str();
     remote::add_remote_options(app, options.remote);
+    remote::add_chat_options(app, options.remote);
+    remote::add_tensor_options(app, options.remote);
   };
   tool.work = [&](const CommonOptions&) { return ground_scene(options); };
   return run_tool(argc, argv, tool);

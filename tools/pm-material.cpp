@@ -13,6 +13,7 @@
 #include "material/evidence.h"
 #include "material/predictor_source.h"
 #include "records/state.h"
+#include "remote/request_files.h"
 #include "scene/view_pictures.h"
 
 using namespace physmas;
@@ -62,11 +63,11 @@ std::optional<MaterialRecords> observe(const Options& options, const Scene& scen
     predictor_backend = remote::open_backend(options.predictor, "--predictor", "/v2/models/predictor", options.remote);
   if (agent != BackendKind::builtin) {
     agent_backend = remote::open_backend(options.agent, "--agent", "/v1", options.remote);
-    chat.emplace(*agent_backend, options.model);
+    chat.emplace(*agent_backend, options.model, remote::load_body_fields(options.remote.body));
   }
   const std::vector<ViewPicture> pictures = load_view_pictures(scene);
   if (predictor_backend) {
-    remote::InferenceClient client(*predictor_backend, "predictor");
+    remote::InferenceClient client(*predictor_backend, "predictor", remote::tensor_form(options.remote.tensors));
     take(material::predict_rows(client, inventory, pictures, masks));
     keep_exchanges(*predictor_backend);
   }
@@ -92,6 +93,8 @@ std::string option_text(const std::string& text, const std::vector<std::string>&
 int work(Options options) {
   if (remote::backend_kind(options.agent, {"builtin"}) == BackendKind::file)
     throw Error(ExitCode::usage, "--agent " + one_line(options.agent) + ": expected builtin, a URL, or replay:DIR");
+  if (!options.remote.body.empty() && remote::backend_kind(options.agent, {"builtin"}) == BackendKind::builtin)
+    throw Error(ExitCode::usage, "--body has fields of a chat request, expected --agent URL with it");
   if (options.remote.exchanges.empty())
     options.remote.exchanges = (std::filesystem::path(folder_of(options.out)) / "exchanges").string();
   Provenance provenance;
@@ -166,6 +169,8 @@ int main(int argc, char** argv) {
                    "Authored crops and answers, ahead of the predictor's and the agent's")
         .type_name("FILE");
     remote::add_remote_options(app, options.remote);
+    remote::add_chat_options(app, options.remote);
+    remote::add_tensor_options(app, options.remote);
   };
   tool.work = [&](const CommonOptions&) { return work(options); };
   return run_tool(argc, argv, tool);

@@ -79,8 +79,8 @@ std::vector<Mask> masks_from(const std::map<std::string, remote::Tensor>& tensor
   return all;
 }
 
-MaskModels::MaskModels(remote::Backend& detector, remote::Backend& segmenter)
-    : detector_(detector, "detector"), segmenter_(segmenter, "segmenter") {
+MaskModels::MaskModels(remote::Backend& detector, remote::Backend& segmenter, remote::TensorForm form)
+    : detector_(detector, "detector", form), segmenter_(segmenter, "segmenter", form) {
   detector_.require_model({"image", "prompt"}, {"boxes", "scores", "phrases"});
   segmenter_.require_model({"image", "boxes"}, {"masks", "scores"});
 }

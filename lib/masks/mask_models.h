@@ -38,7 +38,8 @@ std::vector<Mask> masks_from(const std::map<std::string, remote::Tensor>& tensor
 class MaskModels {
  public:
   // The backends must outlive the models. Asks both whether they are ready and have the contract's tensors.
-  MaskModels(remote::Backend& detector, remote::Backend& segmenter);
+  MaskModels(remote::Backend& detector, remote::Backend& segmenter,
+             remote::TensorForm form = remote::TensorForm::automatic);
 
   // A mask for everything in one picture that fits `text`, strongest box first; empty when there is nothing.
   // name: of the exchanges, unique. Errors: exit code 4.

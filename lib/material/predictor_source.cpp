@@ -16,7 +16,7 @@ std::vector<CropRecord> predict(remote::InferenceClient& predictor, const std::s
   if (crops.empty()) return {};
   const long n = static_cast<long>(crops.size());
   std::vector<remote::TensorSpecification> outputs;
-  for (const std::string& output : kOutputs) outputs.push_back({output, {n}});
+  for (const std::string& output : kOutputs) outputs.push_back({output, {n}, true});
   outputs.back().shape.push_back(kLabelCount);
   return crops_from_tensors(predictor.infer(name, {{"crops", {n}, crops, {}, {}}}, outputs), name);
 }

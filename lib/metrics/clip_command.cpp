@@ -29,7 +29,8 @@ ClipEmbeddings remote_embeddings(const ClipOptions& options, std::vector<Exchang
   const std::vector<int64_t> ids = load_clip_tokenizer(options.merges).encode(options.prompt);
   const auto texts = remote::open_backend(options.text_encoder, "--text-encoder", "", options.remote);
   const auto images = remote::open_backend(options.image_encoder, "--image-encoder", "", options.remote);
-  remote::InferenceClient text_client(*texts, "clip_text"), image_client(*images, "clip_image");
+  const remote::TensorForm form = remote::tensor_form(options.remote.tensors);
+  remote::InferenceClient text_client(*texts, "clip_text", form), image_client(*images, "clip_image", form);
   text_client.require_model({"input_ids"}, {"text_embeds"});
   image_client.require_model({"pixel_values"}, {"image_embeds"});
   ClipEmbeddings embeddings;
@@ -95,6 +96,7 @@ Subcommand add_clip_command(Command app) {
       .excludes(file);
   command.add_option("--out", options->out, "Metrics to write").required();
   remote::add_remote_options(command, options->remote);
+  remote::add_tensor_options(command, options->remote);
   return {command, [options](const CommonOptions&) { return clip(*options); }};
 }
 

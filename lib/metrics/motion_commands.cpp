@@ -59,7 +59,7 @@ struct TrackerOptions : PairOptions {
 int tracker(const TrackerOptions& options) {
   const std::vector<QueryPixel> queries = query_pixels(load_masks(options.reference_masks).front());
   const auto backend = remote::open_backend(options.tracker, "--tracker", "", options.remote);
-  remote::InferenceClient client(*backend, "tracker");
+  remote::InferenceClient client(*backend, "tracker", remote::tensor_form(options.remote.tensors));
   client.require_model({"frames", "queries"}, {"tracks", "visibility"});
   Tracks reference = track_by_server(client, "reference", options.reference, queries);
   Tracks measured = track_by_server(client, "measured", options.measured, queries);
@@ -122,6 +122,7 @@ Subcommand add_tracker_command(Command app) {
       .required();
   add_pair_options(command, *options, true);
   remote::add_remote_options(command, options->remote);
+  remote::add_tensor_options(command, options->remote);
   return {command, [options](const CommonOptions&) { return tracker(*options); }};
 }
 

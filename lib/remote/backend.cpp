@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "remote/http.h"
+#include "remote/address.h"
 #include "remote/live.h"
 #include "remote/replay.h"
 
@@ -12,6 +12,10 @@ namespace {
 const std::string kReplay = "replay:";
 
 }  // namespace
+
+std::optional<ExchangeRecord> Backend::recorded(const std::string&) const {
+  return std::nullopt;
+}
 
 BackendKind backend_kind(const std::string& text, const std::vector<std::string>& words) {
   if (std::find(words.begin(), words.end(), text) != words.end()) return BackendKind::builtin;
@@ -25,7 +29,7 @@ std::unique_ptr<Backend> open_backend(const std::string& text, const std::string
     return std::make_unique<ReplayBackend>(text.substr(kReplay.size()), flag);
   const Url url = parse_url(text, flag);
   const std::string path = url.path.empty() ? endpoint_path : url.path;
-  return std::make_unique<LiveBackend>(url.origin + path, options);
+  return std::make_unique<LiveBackend>(url.origin + path + url.query, options);
 }
 
 }  // namespace physmas::remote

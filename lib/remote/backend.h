@@ -4,6 +4,7 @@
 #define PHYSMAS_REMOTE_BACKEND_H
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ class Backend {
   virtual Reply exchange(const Request& request) = 0;
   // Whether answers come from records, so that choices which a record holds need not be made again.
   virtual bool is_recorded() const = 0;
+  // The record that will answer the request of that name: it knows how the question was put. Nothing from a server.
+  virtual std::optional<ExchangeRecord> recorded(const std::string& name) const;
   // Every completed exchange so far, in order.
   const std::vector<ExchangeReference>& exchanges() const { return exchanges_; }
 
@@ -29,15 +32,21 @@ class Backend {
   std::vector<ExchangeReference> exchanges_;
 };
 
-// Flags that every tool with a remote back end has.
+// Flags of every tool with a remote back end, of those that ask a chat server, and of those that ask an inference
+// server.
 struct RemoteOptions {
-  std::string exchanges;  // folder in which exchanges are saved
-  double timeout = 120;   // seconds for one reply
-  double budget = 1800;   // seconds for all requests to one server, waiting included
-  int retries = 3;        // how often a request is sent again
-  double backoff = 1;     // seconds before the first of these; doubles up to 30
+  std::string exchanges;         // folder in which exchanges are saved; empty: they are not
+  double timeout = 120;          // seconds for one reply
+  double budget = 1800;          // seconds for all requests to one server, waiting included
+  int retries = 3;               // how often a request is sent again
+  double backoff = 1;            // seconds before the first of these; doubles up to 30
+  std::string headers;           // file of further headers (request_files.h)
+  std::string body;              // file of further fields of chat requests (request_files.h)
+  std::string tensors = "auto";  // how inference servers get tensors: auto | json | binary (inference.h)
 };
 void add_remote_options(Command app, RemoteOptions& options);
+void add_chat_options(Command app, RemoteOptions& options);
+void add_tensor_options(Command app, RemoteOptions& options);
 
 enum class BackendKind { builtin, file, remote, recorded };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "remote/backend.h"
+#include "remote/manner.h"
 
 namespace physmas::remote {
 
@@ -29,25 +30,43 @@ class ChatClient {
  public:
   // backend: must outlive the client. model: as the server knows it; may be empty with a recorded back end only
   // (usage Error otherwise).
-  // asks: how often a question is asked until an answer is acceptable.
-  ChatClient(Backend& backend, std::string model, int asks = 2);
+  // added: fields that go into every request (load_body_fields), or null. asks: how often a question is asked until an
+  // answer is acceptable.
+  ChatClient(Backend& backend, std::string model, Json added = Json(), int asks = 2);
 
-  // Asks at temperature 0 with the schema as structured output; a server that refuses that gets the schema in the text
-  // from then on. Errors have exit code 4: no answer within the schema, an answer cut off, a refusal.
+  // Asks at temperature 0, with the schema in the text and as structured output, as far as the server takes it
+  // (manner.h). Errors have exit code 4: no answer within the schema, an answer cut off, a refusal.
   Answer ask(const Question& question);
 
+  // How the server was asked last.
+  const Manner& manner() const { return manner_; }
+
  private:
-  Json request_body(const Question& question, const std::string& correction) const;
-  std::string content_of(const Reply& reply, const std::string& name) const;
+  // A rejected answer, and why.
+  struct Rejected {
+    std::string answer, why;
+  };
+  Json request_body(const Question& question, const Rejected* rejected) const;
 
   Backend& backend_;
   std::string model_;
+  Json added_;
   int asks_;
-  bool structured_ = true;
+  Manner manner_;
 };
 
+// What a chat completion says.
+struct Said {
+  std::string answer;    // without what the model thought
+  std::string thought;   // as long as the server keeps it apart, or the answer holds it: "<think>..."
+  bool cut_off = false;  // the server ended it (finish_reason "length")
+};
+// Errors (exit code 4) name `name`: a refusal, a withheld answer, no chat completion. A server may put the whole answer
+// where thoughts belong, and nothing else; it is the answer where it is one JSON object.
+Said said_in(const Json& reply, const std::string& name);
+
 // The JSON object in a model's text: the text itself, or what a code fence or prose surrounds, after any
-// <think>...</think>. Empty when there is none.
+// <think>...</think>. Empty when there is none, or the thought does not end.
 std::string object_in(const std::string& text);
 
 }  // namespace physmas::remote

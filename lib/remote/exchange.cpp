@@ -19,18 +19,61 @@ std::string shown(const Json& value) {
   return one_line(compact_text(value), 120);
 }
 
+// Fields that earlier versions did not have are there only where they say something: records keep their hashes.
 Json request_json(const ExchangeRecord& record) {
-  return {{"method", record.method},
-          {"url", record.url},
-          {"body", record.request_body},
-          {"attachments", record.attachments}};
+  Json json = {{"method", record.method},
+               {"url", record.url},
+               {"body", record.request_body},
+               {"attachments", record.attachments}};
+  if (!record.headers.empty()) {
+    json["headers"] = Json::object();
+    for (const std::string& name : record.headers) json["headers"][name] = "[masked]";
+  }
+  if (!record.added.empty()) json["added"] = record.added;
+  if (!record.manner.is_null()) json["manner"] = record.manner;
+  return json;
+}
+
+std::string binary_file(const ExchangeRecord& record) {
+  return sha256_text(record.binary) + ".bin";
 }
 
 Json response_json(const ExchangeRecord& record) {
-  return {{"status", record.status},
-          {"content_type", record.content_type},
-          {"sha256", sha256_text(record.body)},
-          {"body", record.body}};
+  Json json = {{"status", record.status},
+               {"content_type", record.content_type},
+               {"sha256", sha256_text(record.body)},
+               {"body", record.body}};
+  if (!record.binary.empty()) json["binary"] = binary_file(record);
+  return json;
+}
+
+// Bare NaN, Infinity and -Infinity, as some servers write them, are null outside strings.
+std::string without_loose_numbers(const std::string& text) {
+  std::string strict;
+  strict.reserve(text.size());
+  bool quoted = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted) {
+      strict += c;
+      if (c == '\\' && i + 1 < text.size()) strict += text[++i];
+      if (c == '"') quoted = false;
+      continue;
+    }
+    size_t length = 0;
+    for (const char* word : {"NaN", "-NaN", "Infinity", "-Infinity"}) {
+      if (text.compare(i, std::char_traits<char>::length(word), word) == 0)
+        length = std::char_traits<char>::length(word);
+    }
+    if (length > 0) {
+      strict += "null";
+      i += length - 1;
+      continue;
+    }
+    quoted = c == '"';
+    strict += c;
+  }
+  return strict;
 }
 
 }  // namespace
@@ -48,6 +91,19 @@ Json sent_body(const Request& request) {
   return body;
 }
 
+RequestBytes request_bytes(const Request& request) {
+  if (request.method != "POST") return {};
+  Json body = sent_body(request);
+  for (const BinaryPart& part : request.parts) {
+    const Json::json_pointer data(part.pointer);
+    body[data.parent_pointer()].erase(data.back());
+  }
+  RequestBytes bytes{body.dump(), 0};
+  if (!request.parts.empty()) bytes.json_length = bytes.bytes.size();
+  for (const BinaryPart& part : request.parts) bytes.bytes += part.bytes;
+  return bytes;
+}
+
 std::string attachment_file(const Attachment& attachment) {
   return sha256_text(attachment.bytes) + "." + attachment.extension;
 }
@@ -59,6 +115,7 @@ std::string ExchangeRecord::sha256() const {
 
 void save_exchange(const std::string& folder, const ExchangeRecord& record, const Request& request) {
   for (const Attachment& a : request.attachments) write_file(join_path(folder, attachment_file(a)), a.bytes);
+  if (!record.binary.empty()) write_file(join_path(folder, binary_file(record)), record.binary);
   Json json;
   json["name"] = record.name;
   json["sha256"] = record.sha256();
@@ -80,6 +137,11 @@ ExchangeRecord load_exchange(const std::string& path) {
   record.url = request.at("url").get<std::string>();
   record.request_body = request.at("body");
   record.attachments = request.at("attachments").get<std::vector<std::string>>();
+  if (request.contains("headers")) {
+    for (const auto& [header, value] : request.at("headers").items()) record.headers.push_back(header);
+  }
+  if (request.contains("added")) record.added = request.at("added").get<std::vector<std::string>>();
+  if (request.contains("manner")) record.manner = request.at("manner");
   const Json& response = document.at("response");
   record.status = response.at("status").get<int>();
   record.content_type = response.at("content_type").get<std::string>();
@@ -87,6 +149,13 @@ ExchangeRecord load_exchange(const std::string& path) {
   if (response.at("sha256") != sha256_text(record.body)) {
     throw invalid_field(path, "/response/sha256", response.at("sha256"),
                         sha256_text(record.body) + ", that of the body", "the reply was changed after it was recorded");
+  }
+  if (response.contains("binary")) {
+    const std::string name = response.at("binary").get<std::string>();
+    record.binary = read_file(join_path(folder_of(path), name), kMaxRecordBytes);
+    if (binary_file(record) != name)
+      throw invalid_input({join_path(folder_of(path), name), "", "other bytes than its name says", "those of the reply",
+                           "the reply was changed after it was recorded"});
   }
   if (document.at("sha256") != record.sha256()) {
     throw invalid_field(path, "/sha256", document.at("sha256"), record.sha256() + ", that of request and response",
@@ -128,12 +197,60 @@ std::optional<Difference> first_difference(const Json& now, const Json& recorded
   return Difference{pointer, shown(now), shown(recorded)};
 }
 
-Json parse_reply(const std::string& body, const std::string& source) {
+std::optional<Difference> difference_from(const ExchangeRecord& record, const Request& request) {
+  Json now = recorded_body(request), recorded = record.request_body;
+  if (request.added.empty() && now.is_object() && recorded.is_object()) {
+    for (const std::string& field : record.added) {
+      now.erase(field);
+      recorded.erase(field);
+    }
+  }
+  return first_difference(now, recorded, "/request/body");
+}
+
+Json parse_reply(const std::string& body, const std::string& source, bool loose_numbers) {
   try {
-    return parse_json(body, source);
+    return parse_json(loose_numbers ? without_loose_numbers(body) : body, source);
   } catch (const Error& e) {
     throw Error(ExitCode::provider_failed, e.what());
   }
+}
+
+std::string words_of(const std::string& body) {
+  constexpr size_t kLimit = 300;
+  std::string text = body;
+  try {
+    Json json = parse_json(body, "error");
+    // {"error": {"message": ...}}, {"error": ...}, {"message": ...}, {"detail": ...}: as servers have them.
+    for (const char* field : {"error", "message", "detail"}) {
+      if (json.is_object() && json.contains(field) && !json.at(field).is_null()) {
+        const Json inner = json.at(field);
+        json = inner;
+      }
+    }
+    text = json.is_string() ? json.get<std::string>() : json.dump();
+    if (json.is_object() && json.empty()) text.clear();
+  } catch (const Error&) {
+    // No JSON: a page of a proxy, say. A reader wants its text.
+    std::string plain;
+    bool tag = false;
+    for (const char c : body) {
+      if (c == '<') tag = true;
+      if (!tag) plain += c;
+      if (c == '>') {
+        tag = false;
+        plain += ' ';
+      }
+    }
+    text = plain;
+  }
+  // Runs of blanks, as pages have them, say nothing.
+  std::string shown;
+  for (const char c : one_line(text, 4096)) {
+    if (c != ' ' || (!shown.empty() && shown.back() != ' ')) shown += c;
+  }
+  while (!shown.empty() && shown.back() == ' ') shown.pop_back();
+  return one_line(shown, kLimit);
 }
 
 Error provider_error(const std::string& source, const std::string& what) {

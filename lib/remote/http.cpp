@@ -12,7 +12,9 @@
 namespace physmas::remote {
 namespace {
 
-using UrlHandle = std::unique_ptr<CURLU, decltype(&curl_url_cleanup)>;
+// Of the binary tensor extension: how much of a body is JSON.
+constexpr const char* kJsonLength = "Inference-Header-Content-Length";
+
 using Headers = std::unique_ptr<curl_slist, decltype(&curl_slist_free_all)>;
 
 struct Sink {
@@ -29,14 +31,6 @@ size_t receive(char* data, size_t size, size_t count, void* sink) {
   }
   s.body.append(data, size * count);
   return size * count;
-}
-
-std::string url_part(CURLU* url, CURLUPart part, unsigned flags = 0) {
-  char* text = nullptr;
-  if (curl_url_get(url, part, &text, flags) != CURLUE_OK) return "";
-  std::string value(text);
-  curl_free(text);
-  return value;
 }
 
 Headers add_header(Headers list, const std::string& line) {
@@ -106,8 +100,19 @@ HttpResult HttpClient::send(const HttpRequest& request) {
   headers = add_header(std::move(headers), "Accept: application/json");
   // Without this libcurl waits a second for "100 Continue" from servers that never send it.
   headers = add_header(std::move(headers), "Expect:");
-  if (request.method == "POST") headers = add_header(std::move(headers), "Content-Type: application/json");
-  if (!request.bearer.empty()) headers = add_header(std::move(headers), "Authorization: Bearer " + request.bearer);
+  if (request.method == "POST") {
+    headers = add_header(std::move(headers), request.json_length == 0 ? "Content-Type: application/json"
+                                                                      : "Content-Type: application/octet-stream");
+  }
+  if (request.json_length != 0)
+    headers = add_header(std::move(headers), fmt::format("{}: {}", kJsonLength, request.json_length));
+  bool authorised = false;
+  for (const Header& header : request.headers) {
+    headers = add_header(std::move(headers), header.name + ": " + header.value);
+    authorised = authorised || lower_case(header.name) == "authorization";
+  }
+  if (!request.bearer.empty() && !authorised)
+    headers = add_header(std::move(headers), "Authorization: Bearer " + request.bearer);
   curl_easy_setopt(curl, CURLOPT_URL, request.url.c_str());
   curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https");
   curl_easy_setopt(curl, CURLOPT_FOLLOWLOCATION, 0L);
@@ -144,40 +149,16 @@ HttpResult HttpClient::send(const HttpRequest& request) {
   curl_off_t wait = 0;
   curl_easy_getinfo(curl, CURLINFO_RETRY_AFTER, &wait);
   result.retry_after = static_cast<double>(wait);
+  curl_header* header = nullptr;
+  if (curl_easy_header(curl, kJsonLength, 0, CURLH_HEADER, -1, &header) == CURLHE_OK) {
+    const std::string length = header->value;
+    // Anything else is no number, and the body no JSON either.
+    if (!length.empty() && length.size() < 12 &&
+        std::all_of(length.begin(), length.end(), [](char c) { return c >= '0' && c <= '9'; }))
+      result.json_length = std::stoull(length);
+  }
   result.body = std::move(sink.body);
   return result;
-}
-
-Url parse_url(const std::string& text, const std::string& flag) {
-  const UrlHandle url(curl_url(), &curl_url_cleanup);
-  const auto fail = [&](const std::string& found) {
-    return Error(ExitCode::usage, one_line(flag + ": found " + found + ", expected http[s]://host[:port][/path]"));
-  };
-  if (url == nullptr) throw std::bad_alloc();
-  const bool ascii = std::all_of(text.begin(), text.end(), [](unsigned char c) { return c > 0x20 && c < 0x7f; });
-  if (!ascii || curl_url_set(url.get(), CURLUPART_URL, text.c_str(), CURLU_NON_SUPPORT_SCHEME) != CURLUE_OK)
-    throw fail("a malformed URL");
-  Url parsed;
-  parsed.scheme = url_part(url.get(), CURLUPART_SCHEME);
-  parsed.host = url_part(url.get(), CURLUPART_HOST);
-  if (parsed.scheme != "http" && parsed.scheme != "https") throw fail("the scheme \"" + parsed.scheme + "\"");
-  if (parsed.host.empty()) throw fail("a URL without a host");
-  if (!url_part(url.get(), CURLUPART_USER).empty() || !url_part(url.get(), CURLUPART_PASSWORD).empty())
-    throw fail("a user name in the URL of " + parsed.host + " (a key belongs into PM_API_KEY)");
-  if (!url_part(url.get(), CURLUPART_QUERY).empty()) throw fail("a query in the URL of " + parsed.host);
-  if (!url_part(url.get(), CURLUPART_FRAGMENT).empty()) throw fail("a fragment in the URL of " + parsed.host);
-  parsed.origin = origin_of(text);
-  parsed.path = url_part(url.get(), CURLUPART_PATH);
-  while (!parsed.path.empty() && parsed.path.back() == '/') parsed.path.pop_back();
-  return parsed;
-}
-
-std::string origin_of(const std::string& text) {
-  const UrlHandle url(curl_url(), &curl_url_cleanup);
-  if (url == nullptr || curl_url_set(url.get(), CURLUPART_URL, text.c_str(), 0) != CURLUE_OK) return "";
-  return fmt::format("{}://{}:{}", url_part(url.get(), CURLUPART_SCHEME),
-                     lower_case(url_part(url.get(), CURLUPART_HOST)),
-                     url_part(url.get(), CURLUPART_PORT, CURLU_DEFAULT_PORT));
 }
 
 }  // namespace physmas::remote

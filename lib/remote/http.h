@@ -5,16 +5,23 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace physmas::remote {
+
+struct Header {
+  std::string name, value;
+};
 
 struct HttpRequest {
   std::string method;  // GET | POST
   std::string url;
-  std::string body;        // sent as application/json when the method is POST
-  std::string bearer;      // authorisation token, or empty
-  double timeout = 0;      // seconds for the whole exchange
-  size_t reply_limit = 0;  // bytes; a longer reply is refused as soon as that is known
+  std::string body;             // sent as application/json when the method is POST
+  size_t json_length = 0;       // of the body's JSON where binary tensors follow it, else 0
+  std::string bearer;           // authorisation token, or empty
+  std::vector<Header> headers;  // of the user; an Authorization here stands instead of the token
+  double timeout = 0;           // seconds for the whole exchange
+  size_t reply_limit = 0;       // bytes; a longer reply is refused as soon as that is known
 };
 
 struct HttpResult {
@@ -30,6 +37,7 @@ struct HttpResult {
   std::string content_type;  // lower case, without parameters
   std::string location;      // absolute URL of a redirect, or empty
   double retry_after = 0;    // seconds that the server asks to wait, 0 when it does not say
+  size_t json_length = 0;    // of the body's JSON where binary tensors follow it, else 0
   std::string body;
 };
 
@@ -44,17 +52,6 @@ class HttpClient {
   struct Handle;
   std::unique_ptr<Handle> handle_;
 };
-
-// The parts of an http or https URL. `origin` is scheme://host:port. A malformed URL, another scheme, a user name, a
-// query or a fragment is a usage Error (exit code 2) that shows no more of the URL than its host.
-struct Url {
-  std::string scheme, host, origin, path;  // path without a trailing slash
-  bool is_loopback() const { return host == "localhost" || host == "127.0.0.1" || host == "[::1]"; }
-};
-Url parse_url(const std::string& url, const std::string& flag);
-
-// scheme://host:port of an absolute URL; empty when it has none.
-std::string origin_of(const std::string& url);
 
 }  // namespace physmas::remote
 

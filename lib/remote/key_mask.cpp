@@ -56,16 +56,24 @@ bool KeyMask::is_in(const std::string& text) const {
 
 std::string KeyMask::masked(const std::string& text) const {
   if (key_.empty()) return text;
-  const std::string shown = "[key]";
   std::string clean;
   size_t from = 0;
   for (size_t at; (at = find_any_case(text, key_, from)) != std::string::npos; from = at + key_.size())
-    clean += text.substr(from, at - from) + shown;
+    clean += text.substr(from, at - from) + shown_;
   clean += text.substr(from);
   return find_any_case(unescaped(clean), key_, 0) == std::string::npos ||
-                 find_any_case(shown, key_, 0) != std::string::npos
+                 find_any_case(shown_, key_, 0) != std::string::npos
              ? clean
-             : shown;
+             : shown_;
+}
+
+bool KeyMasks::is_in(const std::string& text) const {
+  return std::any_of(masks_.begin(), masks_.end(), [&](const KeyMask& mask) { return mask.is_in(text); });
+}
+
+std::string KeyMasks::masked(std::string text) const {
+  for (const KeyMask& mask : masks_) text = mask.masked(text);
+  return text;
 }
 
 }  // namespace physmas::remote

@@ -56,21 +56,59 @@ std::string text_or_nothing(const std::string& text) {
 }  // namespace
 
 LiveBackend::LiveBackend(std::string endpoint, const RemoteOptions& options)
-    : endpoint_(std::move(endpoint)), key_(api_key()), options_(options) {
-  const Url url = parse_url(endpoint_, "endpoint");
-  if (key_.is_in(endpoint_))
-    throw Error(ExitCode::usage, "the URL of a server on " + url.host + " holds PM_API_KEY, expected a URL without it");
-  if (!key_.key().empty() && url.scheme == "http" && !url.is_loopback())
-    log_warning("PM_API_KEY travels unencrypted to " + url.host);
+    : endpoint_(std::move(endpoint)), url_(parse_url(endpoint_, "endpoint")), key_(api_key()), options_(options) {
+  secrets_.add(KeyMask(key_));
+  masked_.add(KeyMask(key_));
+  if (secrets_.is_in(endpoint_))
+    throw Error(ExitCode::usage,
+                "the URL of a server on " + url_.host + " holds PM_API_KEY, expected a URL without it");
+  RequestHeaders more = load_request_headers(options_.headers);
+  headers_ = std::move(more.headers);
+  mask_headers(headers_);
+  const bool unencrypted = url_.scheme == "http" && !url_.is_loopback();
+  // A key goes under the name that the file of headers gives it, and under no other.
+  if (more.holds_key) key_.clear();
+  if (!key_.empty() && unencrypted) log_warning("PM_API_KEY travels unencrypted to " + url_.host);
+  if (!headers_.empty() && unencrypted)
+    log_warning("the headers of " + options_.headers + " travel unencrypted to " + url_.host);
+}
+
+void LiveBackend::mask_headers(const std::vector<Header>& headers) {
+  for (const Header& header : headers) {
+    const Secrecy secrecy = secrecy_of(header);
+    if (secrecy == Secrecy::open) continue;
+    // Of "Bearer KEY" the key alone is secret, too.
+    std::vector<std::string> values = {header.value};
+    if (const size_t blank = header.value.rfind(' '); blank != std::string::npos)
+      values.push_back(header.value.substr(blank + 1));
+    for (const std::string& value : values) {
+      const KeyMask mask(value, "[header]");
+      masked_.add(mask);
+      if (secrecy != Secrecy::secret) continue;
+      secrets_.add(mask);
+      if (mask.is_in(endpoint_)) {
+        throw Error(ExitCode::usage, "the URL of a server on " + url_.host + " holds the value of the header " +
+                                         header.name + ", expected a URL without it");
+      }
+    }
+  }
 }
 
 void LiveBackend::wait(double seconds, const std::string& why) {
   if (seconds >= left()) {
-    throw provider_error(endpoint_, fmt::format("{}; waiting {:g} s would exceed the budget of {:g} s",
-                                                key_.masked(why), seconds, options_.budget));
+    throw provider_error(
+        endpoint_, fmt::format("{}; waiting {:g} s would exceed the budget of {:g} s", why, seconds, options_.budget));
   }
-  log_info(fmt::format("{}: {}; trying again in {:g} s", endpoint_, key_.masked(why), seconds));
+  log_info(fmt::format("{}: {}; trying again in {:g} s", endpoint_, why, seconds));
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+double LiveBackend::backoff(int waits) const {
+  return std::min(kLongestBackoff, options_.backoff * std::exp2(waits));
+}
+
+std::string LiveBackend::said_by(const HttpResult& result) const {
+  return words_of(masked_.masked(result.body));
 }
 
 HttpResult LiveBackend::follow_redirects(HttpRequest request) {
@@ -84,7 +122,7 @@ HttpResult LiveBackend::follow_redirects(HttpRequest request) {
     if (target != origin_of(request.url)) {
       throw provider_error(endpoint_,
                            fmt::format("HTTP {}: a redirect to {} is refused, expected an answer from this host",
-                                       result.status, target.empty() ? "nowhere" : key_.masked(target)));
+                                       result.status, target.empty() ? "nowhere" : masked_.masked(target)));
     }
     // Only 307 and 308 keep method and body.
     if ((result.status != 307 && result.status != 308) || hop == kMaxRedirects) {
@@ -96,24 +134,75 @@ HttpResult LiveBackend::follow_redirects(HttpRequest request) {
   }
 }
 
-HttpResult LiveBackend::answered(const Request& request, const std::string& body, Json& attempts) {
+HttpRequest LiveBackend::http_request(const Request& request) const {
   HttpRequest http;
   http.method = request.method;
-  http.url = endpoint_ + request.path;
-  http.body = body;
-  http.bearer = key_.key();
+  http.url = url_.origin + url_.path + request.path + url_.query;
+  RequestBytes bytes = request_bytes(request);
+  http.body = std::move(bytes.bytes);
+  http.json_length = bytes.json_length;
+  http.bearer = key_;
+  http.headers = headers_;
   http.reply_limit = request.reply_limit;
+  return http;
+}
+
+// After a 503: waits, longer each time, until the server says that it is ready, or says nothing of that sort. Whether
+// it was not ready: then the refusal does not count as one.
+bool LiveBackend::waits_until_ready(const Request& request, const HttpResult& refusal, int& waits, Json& attempts) {
+  const std::string words = said_by(refusal);
+  const std::string why = "HTTP 503" + (words.empty() ? "" : ": " + words);
+  if (!told_of_waiting_) {
+    log_note(fmt::format("{}: {}; waiting for it, {:.0f} s at most (--budget)", endpoint_, why, left()));
+    told_of_waiting_ = true;
+  }
+  // A request that asks whether the server is ready is its own probe.
+  const bool is_probe = !request.wants_json;
+  for (bool was_ready = true;; was_ready = false) {
+    wait(std::max(refusal.retry_after, backoff(waits++)), why);
+    if (is_probe) return true;
+    bool ready = false, not_ready = false;
+    for (const std::string& address : readiness_addresses(url_)) {
+      HttpRequest probe;
+      probe.method = "GET";
+      probe.url = address;
+      probe.bearer = key_;
+      probe.headers = headers_;
+      probe.reply_limit = request.reply_limit;
+      const HttpResult result = follow_redirects(probe);
+      attempts.push_back({{"probe", address.substr(url_.origin.size())}, {"status", result.status}});
+      ready = result.status >= 200 && result.status < 300;
+      not_ready = not_ready || result.status == 503;
+      if (ready) break;
+    }
+    if (ready) return !was_ready;
+    if (!not_ready) return true;
+  }
+}
+
+HttpResult LiveBackend::answered(const Request& request, Json& attempts) {
+  const HttpRequest http = http_request(request);
+  int waits = 0;
   for (int attempt = 0;; ++attempt) {
     const Stopwatch watch;
     HttpResult result = follow_redirects(http);
-    attempts.push_back({{"status", result.status}, {"why", key_.masked(result.why)}, {"seconds", watch.seconds()}});
+    attempts.push_back({{"status", result.status}, {"why", masked_.masked(result.why)}, {"seconds", watch.seconds()}});
     if (!is_worth_retrying(result)) return result;
-    const std::string why = result.outcome == Outcome::broken ? result.why : fmt::format("HTTP {}", result.status);
-    if (attempt == options_.retries) {
-      throw provider_error(
-          endpoint_, fmt::format("{} after {} attempt{}", key_.masked(why), attempt + 1, attempt == 0 ? "" : "s"));
+    if (result.outcome == Outcome::answered && result.status == 503 &&
+        waits_until_ready(request, result, waits, attempts)) {
+      --attempt;
+      continue;
     }
-    wait(std::max(result.retry_after, std::min(kLongestBackoff, options_.backoff * std::exp2(attempt))), why);
+    const bool broken = result.outcome == Outcome::broken;
+    const std::string why = broken ? masked_.masked(result.why) : fmt::format("HTTP {}", result.status);
+    const std::string words = broken ? "" : said_by(result);
+    const std::string reason = words.empty() ? "" : ": " + words;
+    if (attempt == options_.retries) {
+      throw provider_error(endpoint_,
+                           fmt::format("{} after {} attempt{}{}", why, attempt + 1, attempt == 0 ? "" : "s", reason));
+    }
+    // Of a 503 the wait is over.
+    if (broken || result.status != 503) wait(std::max(result.retry_after, backoff(attempt)), why + reason);
   }
 }
 
@@ -124,28 +213,33 @@ void LiveBackend::check(const Request& request, const HttpResult& result) const 
       break;
     case Outcome::timed_out:
       throw provider_error(endpoint_,
-                           fmt::format("no complete reply within {:g} s", std::min(options_.timeout, options_.budget)));
+                           fmt::format("no complete reply within {:g} s; --timeout (TIMEOUT=) gives it longer",
+                                       std::min(options_.timeout, options_.budget)));
     case Outcome::too_large:
       throw provider_error(endpoint_, "found a longer reply, expected at most " + size);
     default:
-      throw provider_error(endpoint_, key_.masked(result.why));
+      throw provider_error(endpoint_, masked_.masked(result.why));
   }
   const auto& returned = request.returned_statuses;
   if (!is_success(result.status)) {
     if (std::find(returned.begin(), returned.end(), result.status) != returned.end()) return;
     const char* fix = result.status == 401 || result.status == 403 ? "; is PM_API_KEY set to a valid key?" : "";
-    throw provider_error(endpoint_,
-                         fmt::format("HTTP {}: {}{}", result.status, one_line(key_.masked(result.body), 200), fix));
+    const std::string words = said_by(result);
+    throw provider_error(endpoint_, fmt::format("HTTP {}{}{}", result.status, words.empty() ? "" : ": " + words, fix));
   }
-  if (key_.is_in(result.body))
-    throw provider_error(endpoint_, "the reply repeats the key; it is not used and not kept");
+  if (secrets_.is_in(result.body))
+    throw provider_error(endpoint_, "the reply repeats the key or a header; it is not used and not kept");
   if (!request.wants_json) return;
   const std::string& type = result.content_type;
   const bool json = type == "application/json" || (type.rfind("application/", 0) == 0 && type.size() > 5 &&
                                                    type.compare(type.size() - 5, 5, "+json") == 0);
-  if (!json) {
+  if (result.json_length > result.body.size()) {
+    throw provider_error(endpoint_, fmt::format("found {} bytes, expected at least {} of JSON, as its header says",
+                                                result.body.size(), result.json_length));
+  }
+  if (!json && result.json_length == 0) {
     throw provider_error(endpoint_, fmt::format("found a reply of type \"{}\", expected application/json",
-                                                one_line(key_.masked(type), 80)));
+                                                one_line(masked_.masked(type), 80)));
   }
 }
 
@@ -153,31 +247,42 @@ Reply LiveBackend::exchange(const Request& request) {
   const Stopwatch watch;
   ExchangeRecord record;
   record.runtime["attempts"] = Json::array();
-  const std::string body = request.method == "POST" ? sent_body(request).dump() : "";
-  const HttpResult result = answered(request, body, record.runtime["attempts"]);
+  HttpResult result = answered(request, record.runtime["attempts"]);
   check(request, result);
-  Reply reply;
-  reply.status = result.status;
-  if (is_success(result.status) && request.wants_json) {
-    try {
-      reply.body = parse_reply(result.body, endpoint_);
-    } catch (const Error& e) {
-      throw Error(e.code(), key_.masked(e.what()));
-    }
-    // Escapes in the JSON may have hidden it from the look at the raw body.
-    if (key_.is_in(reply.body.dump()))
-      throw provider_error(endpoint_, "the reply repeats the key; it is not used and not kept");
+  const bool success = is_success(result.status);
+  if (success && result.json_length > 0) {
+    record.binary = result.body.substr(result.json_length);
+    result.body.resize(result.json_length);
   }
+  // What is kept is what is used, so that a replay gives the same.
+  result.body = masked_.masked(text_or_nothing(result.body));
   record.name = request.name;
   record.method = request.method;
-  record.url = endpoint_ + request.path;
+  record.url = url_.origin + url_.path + request.path + url_.query;
   record.request_body = recorded_body(request);
   for (const Attachment& a : request.attachments) record.attachments.push_back(attachment_file(a));
+  for (const Header& header : headers_) record.headers.push_back(header.name);
+  record.added = request.added;
+  record.manner = request.manner;
   record.status = result.status;
-  record.content_type = key_.masked(text_or_nothing(result.content_type));
-  record.body = key_.masked(text_or_nothing(result.body));
+  record.content_type = masked_.masked(text_or_nothing(result.content_type));
+  record.body = result.body;
+  Reply reply;
+  reply.status = result.status;
+  if (success && request.wants_json) {
+    try {
+      reply.body = parse_reply(result.body, endpoint_, request.loose_numbers);
+    } catch (const Error& e) {
+      throw Error(e.code(), masked_.masked(e.what()));
+    }
+    // Escapes in the JSON may have hidden it from the look at the raw body.
+    if (secrets_.is_in(reply.body.dump()))
+      throw provider_error(endpoint_, "the reply repeats the key or a header; it is not used and not kept");
+  }
+  if (success) reply.binary = record.binary;
+  if (!success) reply.said = record.body;
   record.runtime["seconds"] = watch.seconds();
-  save_exchange(options_.exchanges, record, request);
+  if (!options_.exchanges.empty()) save_exchange(options_.exchanges, record, request);
   exchanges_.push_back({record.name, record.sha256()});
   return reply;
 }

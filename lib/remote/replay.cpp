@@ -26,13 +26,22 @@ Reply ReplayBackend::exchange(const Request& request) {
   };
   if (record.name != request.name) throw differs("/name", request.name, record.name);
   if (record.method != request.method) throw differs("/request/method", request.method, record.method);
-  if (const auto found = first_difference(recorded_body(request), record.request_body, "/request/body"))
-    throw differs(found->pointer, found->now, found->recorded);
+  if (const auto found = difference_from(record, request)) throw differs(found->pointer, found->now, found->recorded);
   Reply reply;
   reply.status = record.status;
-  if (record.status >= 200 && record.status < 300 && request.wants_json) reply.body = parse_reply(record.body, path);
+  const bool success = record.status >= 200 && record.status < 300;
+  if (success && request.wants_json) reply.body = parse_reply(record.body, path, request.loose_numbers);
+  if (success) reply.binary = record.binary;
+  if (!success) reply.said = record.body;
   exchanges_.push_back({record.name, record.sha256()});
   return reply;
+}
+
+std::optional<ExchangeRecord> ReplayBackend::recorded(const std::string& name) const {
+  const std::string path = (std::filesystem::path(folder_) / (name + ".json")).string();
+  std::error_code failure;
+  if (!std::filesystem::exists(path, failure)) return std::nullopt;
+  return load_exchange(path);
 }
 
 }  // namespace physmas::remote

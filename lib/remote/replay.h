@@ -2,6 +2,7 @@
 #ifndef PHYSMAS_REMOTE_REPLAY_H
 #define PHYSMAS_REMOTE_REPLAY_H
 
+#include <optional>
 #include <string>
 
 #include "remote/backend.h"
@@ -16,6 +17,7 @@ class ReplayBackend : public Backend {
   // request.
   Reply exchange(const Request& request) override;
   bool is_recorded() const override { return true; }
+  std::optional<ExchangeRecord> recorded(const std::string& name) const override;
 
  private:
   std::string folder_;

@@ -88,7 +88,7 @@ PY
   for case in "not-ready|HTTP 503" "no-such-output|phrases" "bad-score|/outputs/scores/data/0" "bad-box|/outputs/boxes/data/0" \
     "mask-shape|/outputs/masks/shape"; do
     serve "${case%|*}"
-    fails_remotely --perception "$url" -- "${case#*|}"
+    fails_remotely --quiet --budget 5 --perception "$url" -- "${case#*|}"
     stop_server
     rm -rf exchanges
   done

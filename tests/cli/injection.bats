@@ -108,6 +108,7 @@ scene=(run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z RUN=run SPEC=sp
       tries refused $variable "$text" "${scene[@]}" "$variable=$text"
     done
     tries refused CROP "$text --" "${scene[@]}" CROP="$text --"
+    for variable in TIMEOUT BUDGET RETRIES; do tries refused $variable "$text" "${scene[@]}" AGENT=builtin "$variable=$text"; done
     for variable in EVALUATE SUITE CASES; do tries refused $variable "$text" evaluate "$variable=$text"; done
     tries refused BATCH "$text" batch SCENES=bundle/scene.json BATCH="$text"
     tries refused SCENES "$text" batch SCENES="$text"
@@ -127,6 +128,7 @@ scene=(run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z RUN=run SPEC=sp
     for variable in INVENTORY DATAPARSER PHYSGAUSSIAN AUTHORED PREDICTOR CAMERAS; do
       tries "$(taken_by $variable "$text")" $variable "$text" "${scene[@]}" "$variable=$text"
     done
+    for variable in HEADERS BODY; do tries taken $variable "$text" "${scene[@]}" AGENT=builtin "$variable=$text"; done
     for variable in MASKS VIEWS; do tries taken $variable "$text" "${scene[@]}" "$variable=$text.d"; done
     for variable in AGENT SCENE_AGENT PERCEPTION PREDICTOR; do tries taken $variable "$text" "${scene[@]}" "$variable=replay:$text.d"; done
     tries unrun SCENE "$text" run SCENE="$text.d/scene.json" RUN=run2

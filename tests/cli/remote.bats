@@ -27,7 +27,7 @@ requests = [json.loads(line) for line in open("requests.log")]
 assert [r["path"] for r in requests] == ["/v1/chat/completions"] * 3, requests
 for r in requests:
     assert r["authorization"] == "Bearer pmkey-0123456789" and r["model"] == "tester" and r["temperature"] == 0
-    assert r["image"] == "data:image/png;base64," and r["structured"] and r["messages"] == 2
+    assert r["image"] == "data:image/png;base64," and r["structured"] == "json_schema" and r["messages"] == 2
 rows = {r["key"]: r for r in json.load(open("evidence.json"))["rows"]}
 vlm = rows["cake/sponge"]["observations"]["vlm"][0]
 # The model names a view that does not exist and leaves one out: the masks are in front and right only.
@@ -111,10 +111,10 @@ PY
   fails_remotely "HTTP 500 after 3 attempts"
   [ "$(wc -l <requests.log)" -eq 3 ]
   stop_server
-  # What a server does not do it will not do the next time: once with structured output, once without.
+  # What a server does not do it will not do the next time: each way of asking for structured output once.
   serve 501
   fails_remotely "HTTP 501" "no such thing here"
-  [ "$(wc -l <requests.log)" -eq 2 ]
+  [ "$(wc -l <requests.log)" -eq 3 ]
 }
 
 @test "remote: a body that is cut off, or none that this project reads" {
@@ -147,8 +147,9 @@ PY
 @test "remote: a server without structured output, and answers wrapped in prose" {
   serve no-schema
   ask
-  # One refusal, then plain JSON for all three rows.
-  [ "$(wc -l <requests.log)" -eq 4 ]
+  # A refusal of each kind, then plain JSON for all three rows.
+  [ "$(grep -c '"structured": "json_' requests.log)" -eq 2 ]
+  [ "$(wc -l <requests.log)" -eq 5 ]
   grep -q '"status": 400' exchanges/material_cake_plate_1.json
   cp evidence.json live.json
   stop_server
@@ -230,7 +231,7 @@ refute_key() {
   fails_with 2 material --agent http://127.0.0.1:1 -- "--model is required"
   fails_with 2 material --agent http://me:secret@host/v1 --model m -- "user name in the URL of host"
   refute grep secret "$BATS_TEST_TMPDIR/.stderr"
-  fails_with 2 material --agent "http://host/v1?key=secret" --model m -- "a query in the URL of host"
+  fails_with 2 material --agent "http://host/v1?key=secret" --model m -- "in the query of the URL of host"
   refute grep secret "$BATS_TEST_TMPDIR/.stderr"
   fails_with 2 material --agent ftp://host/v1 --model m -- "scheme \"ftp\""
   fails_with 2 material --agent somebody -- "--agent somebody" "expected builtin"
@@ -259,11 +260,11 @@ PY
 
 @test "remote: a predictor that is not ready, lacks an output, or answers with another shape" {
   predictor_fails() {
-    fails_with 4 material --predictor "$url/v2/models/m" --timeout 1 --retries 1 --backoff 0.05 -- "$@"
+    fails_with 4 material --predictor "$url/v2/models/m" --timeout 1 --retries 1 --backoff 0.05 --quiet --budget 2 -- "$@"
     [ ! -e evidence.json ]
   }
   serve not-ready
-  predictor_fails "HTTP 503 after 2 attempts"
+  predictor_fails "HTTP 503; waiting" "would exceed the budget of 2 s"
   stop_server
   serve no-such-output
   predictor_fails /outputs label_evidence

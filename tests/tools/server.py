@@ -36,12 +36,21 @@ OUTPUTS = ["E_mean", "E_uncertainty", "nu_mean", "nu_uncertainty", "label_eviden
 port_file, log_file, mode = sys.argv[1:4]
 only, _, mode = mode.rpartition(":")
 count = posts = 0
+loaded_at = None
 lock = threading.Lock()
+
+
+def text_of(body):
+    """The question; instructions may stand in front of it."""
+    content = [m["content"] for m in body["messages"] if m["role"] == "user"][0]
+    text = content if isinstance(content, str) else content[0]["text"]
+    starts = [text.index(s) for s in ("The row: ", "The scene: ", "The views: ") if s in text]
+    return text[min(starts) :] if starts else text
 
 
 def material_answer(body):
     """What the material agent says of a row: the plate abstains, everything else is mostly foam."""
-    text = body["messages"][1]["content"][0]["text"]
+    text = text_of(body)
     key = json.loads(text[text.index("{") : text.index("}") + 1])["key"]
     answer = {
         "key": key,
@@ -108,8 +117,13 @@ def perception_answer(text):
     }
 
 
+def check_answer(body):
+    """What `pm-ground check` asks: a colour."""
+    return {"color": "red"}
+
+
 def answer_to(body):
-    text = body["messages"][1]["content"][0]["text"]
+    text = text_of(body)
     if text.startswith("The scene: "):
         return scene_answer()
     if text.startswith("The views: "):
@@ -125,6 +139,134 @@ def chat_reply(content):
     }
 
 
+def message_of(good):
+    return good["choices"][0]["message"]
+
+
+def refusal(words, status=400):
+    return status, {"error": {"message": words}}
+
+
+def reasoning(body, good, number):
+    """vLLM with a reasoning parser: the whole answer stands where thoughts belong."""
+    message_of(good).update(reasoning_content=message_of(good)["content"], content=None)
+    return 200, good
+
+
+def parts(body, good, number):
+    text = message_of(good)["content"]
+    message_of(good)["content"] = [{"type": "reasoning", "text": "{}"}, {"type": "text", "text": text[:9]}, {"type": "text", "text": text[9:]}]
+    return 200, good
+
+
+def thinks(body, good, number):
+    """All tokens are spent on thoughts, unless thinking is turned off."""
+    if body.get("chat_template_kwargs") != {"enable_thinking": False}:
+        message_of(good).update(reasoning="Let me see. { it could be", content="")
+        good["choices"][0]["finish_reason"] = "length"
+    return 200, good
+
+
+def alternate(body, good, number):
+    """A chat template that wants turns; the first answer is outside the schema."""
+    roles = [m["role"] for m in body["messages"] if m["role"] != "system"]
+    if roles != ["user", "assistant"] * (len(roles) // 2) + ["user"]:
+        return refusal("Conversation roles must alternate user/assistant/user/assistant/...")
+    return (200, chat_reply('{"E": 1}')) if number == 1 else (200, good)
+
+
+def strict(body, good, number):
+    """A reasoning model behind a strict service: no temperature, no max_tokens, no system message."""
+    if "temperature" in body:
+        return refusal("Unsupported value: 'temperature' does not support 0 with this model.")
+    if "max_tokens" in body:
+        return refusal("Unsupported parameter: 'max_tokens' is not supported with this model. Use 'max_completion_tokens' instead.")
+    if body["messages"][0]["role"] == "system":
+        return refusal("System role not supported")
+    return 200, good
+
+
+def qwen(body, good, number):
+    """Qwen's compatible mode."""
+    wanted = body.get("response_format", {}).get("type", "text")
+    if wanted == "json_schema":
+        return refusal("'response_format.type' must be one of text, json_object")
+    if wanted == "json_object" and "json" not in json.dumps(body["messages"]).lower():
+        return refusal("'messages' must contain the word 'json' in some form")
+    if body.get("enable_thinking", True):
+        return refusal("Json mode response is not supported when enable_thinking is true")
+    return 200, good
+
+
+def ignores_schema(body, good, number):
+    """What is not in the text was never read."""
+    return 200, good if "JSON Schema" in json.dumps(body["messages"]) else chat_reply('{"material": "foam"}')
+
+
+CHAT_QUIRKS = {
+    "reasoning": reasoning,
+    "parts": parts,
+    "thinks": thinks,
+    "alternate": alternate,
+    "strict": strict,
+    "qwen": qwen,
+    "ignores-schema": ignores_schema,
+}
+
+
+WIDTHS = {"FP16": "e", "FP32": "f", "INT64": "q", "BOOL": "?", "UINT8": "B"}
+
+
+def numbers_of(data):
+    for value in data:
+        if isinstance(value, list):
+            yield from numbers_of(value)
+        else:
+            yield value
+
+
+def pack(tensor):
+    """The content of a tensor as bytes, for the binary tensor extension."""
+    flat = list(numbers_of(tensor["data"]))
+    if tensor["datatype"] == "BYTES":
+        return b"".join(struct.pack("<I", len(t)) + t for t in (text.encode() for text in flat))
+    nan = [float("nan") if value is None else value for value in flat]
+    return struct.pack("<%d%s" % (len(nan), WIDTHS[tensor["datatype"]]), *nan)
+
+
+def unpack(tensor, data):
+    """Pictures become base64, as they come in JSON; everything else what it is."""
+    if tensor["datatype"] != "BYTES":
+        return list(struct.unpack("<%d%s" % (len(data) // struct.calcsize(WIDTHS[tensor["datatype"]]), WIDTHS[tensor["datatype"]]), data))
+    texts = []
+    while data:
+        (size,) = struct.unpack("<I", data[:4])
+        text, data = data[4 : 4 + size], data[4 + size :]
+        texts.append(base64.b64encode(text).decode() if text.startswith(b"\x89PNG") else text.decode())
+    return texts
+
+
+def request_of(raw, json_length):
+    """The request as it would be in JSON."""
+    if json_length is None:
+        return json.loads(raw)
+    body, rest = json.loads(raw[: int(json_length)]), raw[int(json_length) :]
+    for tensor in body["inputs"]:
+        size = tensor.get("parameters", {}).get("binary_data_size")
+        if size is not None:
+            tensor["data"], rest = unpack(tensor, rest[:size]), rest[size:]
+    assert not rest
+    return body
+
+
+def without_axis(body):
+    """What a model behind a server that batches gets: every tensor of the one entry of the batch."""
+    for tensor in body["inputs"]:
+        assert tensor["shape"][0] == 1, tensor["shape"]
+        tensor["shape"] = tensor["shape"][1:]
+    return body
+
+
 def inference_reply(body):
     images = [base64.b64decode(text, validate=True) for text in body["inputs"][0]["data"]]
     assert all(image.startswith(b"\x89PNG") for image in images)
@@ -137,6 +279,8 @@ def inference_reply(body):
         outputs[-1]["shape"] = [n, 13]
     if mode == "missing-output":
         outputs.pop()
+    if mode == "nan":
+        outputs[2]["data"] = [float("nan")] * n
     if mode == "negative":
         outputs[1]["data"] = [-1.0] * n
     return {"model_name": "m", "outputs": outputs}
@@ -166,6 +310,8 @@ def detector_reply(body):
         scores[:1] = [3.0]
     if mode == "bad-box":
         boxes[:1] = [[9, 9, 1, 1]]
+    if mode == "nan-boxes":
+        boxes[:1] = [[float("nan"), 0.0, 1.0, 1.0]]
     n = len(boxes)
     return {
         "model_name": "grounding-dino",
@@ -250,40 +396,87 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.end_headers()
         self.wfile.write(data)
 
+    def is_loading(self):
+        """For the first second after the first request."""
+        global loaded_at
+        with lock:
+            loaded_at = loaded_at or time.monotonic() + 1
+        return mode.startswith("loading") and time.monotonic() < loaded_at
+
     def do_GET(self):
         self.note(None)
-        if self.path.endswith("/ready"):
+        path = self.path.split("?")[0]
+        if mode == "gateway" and not self.may_pass():
+            return
+        if mode == "loading-silent" and not path.endswith("/ready"):
+            return self.reply(404, {"error": "no such path"})
+        if self.is_loading():
+            return self.reply(503, {"error": {"code": 503, "message": "Loading model"}})
+        if path.endswith("/ready"):
             self.send_response(503 if mode == "not-ready" else 200)
             self.send_header("Content-Length", "0")
             self.end_headers()
+        elif path.endswith("/models"):
+            self.reply(200, {"object": "list", "data": [{"id": "tester", "object": "model", "owned_by": "tests"}]})
+        elif path.endswith("/health"):
+            self.reply(200, {"status": "ok"})
+        elif path.endswith("/v2"):
+            self.reply(200, {"name": "tests", "version": "1", "extensions": ["binary_tensor_data"]})
         else:
-            inputs, names = TENSORS.get(self.path.split("/")[-1], (["crops"], OUTPUTS))
-            if "/clip-" in self.path:
+            inputs, names = TENSORS.get(path.split("/")[-1], (["crops"], OUTPUTS))
+            if "/clip-" in path:
                 inputs, names = ["pixel_values", "input_ids"], ["image_embeds", "text_embeds"]
-            if "/tracker" in self.path:
+            if "/tracker" in path:
                 inputs, names = ["frames", "queries"], ["tracks", "visibility"]
             names = names[:-1] if mode == "no-such-output" else names
+            if mode == "no-metadata":
+                inputs = names = []
+            kind = {"image": "BYTES", "prompt": "BYTES", "crops": "BYTES", "frames": "BYTES", "phrases": "BYTES"}
+            axes = {"boxes": [-1, 4], "masks": [-1, -1, -1], "label_evidence": [-1, 14]}
+            half = "FP16" if mode == "fp16" else "FP32"
+
+            def declared(name):
+                shape = ([-1] if mode == "batched" else []) + axes.get(name, [-1])
+                return {"name": name, "datatype": kind.get(name, half), "shape": shape}
+
             self.reply(
                 200,
                 {
                     "name": "m",
-                    "platform": "test",
-                    "inputs": [{"name": i, "datatype": "BYTES", "shape": [-1]} for i in inputs],
-                    "outputs": [{"name": o, "datatype": "FP32", "shape": [-1]} for o in names],
+                    "platform": "OpenVINO" if mode == "openvino" else "test",
+                    "inputs": [declared(i) for i in inputs],
+                    "outputs": [declared(o) for o in names],
                 },
             )
 
     def do_POST(self):
-        body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
+        raw, json_length = self.rfile.read(int(self.headers["Content-Length"])), self.headers.get("Inference-Header-Content-Length")
+        body = request_of(raw, json_length)
         number = self.note(body)
-        if self.path.endswith("/infer"):
+        path = self.path.split("?")[0]
+        if self.is_loading():
+            return self.reply(503, {"error": {"code": 503, "message": "Loading model"}})
+        if path.endswith("/infer"):
+            if mode == "openvino" and json_length is None:
+                return self.reply(400, {"error": "BYTES are decoded from binary data only"})
+            if mode == "batched":
+                body = without_axis(body)
             replies = {"grounding-dino": detector_reply, "sam2": segmenter_reply}
-            served = replies.get(self.path.split("/")[-2], inference_reply)
+            served = replies.get(path.split("/")[-2], inference_reply)
             if "/clip-" in self.path:
                 served = clip_reply
             if "/tracker" in self.path:
                 served = tracker_reply
             good = served(body)
+            for output in good["outputs"]:
+                if mode == "batched":
+                    output["shape"] = [1] + output["shape"]
+                if mode == "fp16" and output["datatype"] == "FP32":
+                    output["datatype"] = "FP16"
+            if any("binary_data" in o.get("parameters", {}) for o in body["outputs"]):
+                return self.binary_reply(good)
+            if mode == "fp16":
+                return self.reply(400, {"error": "sending FP16 data via JSON is not supported"})
         else:
             good = chat_reply(json.dumps(answer_to(body)))
         self.answer(mode if only in self.path else "good", number, body, good)
@@ -337,7 +530,24 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.reply(200, {"result": "ok"})
         elif mode == "truncated-answer":
             good["choices"][0]["finish_reason"] = "length"
+            good["choices"][0]["message"]["content"] = good["choices"][0]["message"]["content"][:-20]
             self.reply(200, good)
+        elif mode in CHAT_QUIRKS and "messages" in body:
+            self.reply(*CHAT_QUIRKS[mode](body, good, number))
+        elif mode == "no-projector":
+            self.reply(500, {"error": {"code": 500, "message": "image input is not supported - hint: provide the mmproj", "type": "server_error"}})
+        elif mode == "error-200":
+            self.reply(200, {"error": {"message": "the engine is dead"}})
+        elif mode == "gateway":
+            self.gateway(good)
+        elif mode == "slow":
+            time.sleep(1.5)
+            self.reply(200, good)
+        elif mode in ("echo-tenant", "echo-header-key"):
+            name = "X-Tenant" if mode == "echo-tenant" else "X-Api-Key"
+            self.reply(200, {"you are": self.headers.get(name, ""), **good})
+        elif mode == "refuse-tenant":
+            self.reply(403, {"error": "no tenant " + self.headers.get("X-Tenant", "") + ", no key " + self.headers.get("X-Api-Key", "")})
         elif mode == "outside" or (mode == "outside-once" and number == 1):
             answer = answer_to(body)
             answer["E"] = 1e5  # constitutive parameters are not the model's to set
@@ -393,6 +603,31 @@ class Handler(http.server.BaseHTTPRequestHandler):
         else:
             self.reply(200, good)
 
+    def binary_reply(self, good):
+        content = b""
+        for output in good["outputs"]:
+            data = pack(output)
+            del output["data"]
+            output["parameters"] = {"binary_data_size": len(data)}
+            content += data
+        head = json.dumps(good).encode()
+        length = str(len(head) + (10**9 if mode == "binary-length" else 0))
+        self.reply(200, head + content, "application/octet-stream", [("Inference-Header-Content-Length", length)])
+
+    def may_pass(self):
+        """A gateway in front: an address with a query, a host of its own, a key under another name, an organisation."""
+        if "?api-version=2024-10-21" not in self.path or self.headers.get("Host") != "models.example":
+            self.reply(404, {"error": {"message": "Resource not found"}})
+        elif self.headers.get("api-key") != "pmkey-0123456789" or self.headers.get("Authorization"):
+            self.reply(401, {"error": {"message": "Access denied"}})
+        else:
+            return True
+        return False
+
+    def gateway(self, good):
+        if self.may_pass():
+            self.reply(200, good)
+
     def pour(self, megabytes):
         """Counts in the log how much the client took."""
         taken = 0
@@ -415,14 +650,18 @@ class Handler(http.server.BaseHTTPRequestHandler):
             number = posts
         entry = {"path": self.path, "authorization": self.headers.get("Authorization"), "number": count}
         if body is not None and "messages" in body:
-            image = body["messages"][1]["content"][1]["image_url"]["url"]
+            content = [m["content"] for m in body["messages"] if m["role"] == "user"][0]
+            images = [p["image_url"]["url"][:22] for p in content if p["type"] == "image_url"]
             entry.update(
                 model=body["model"],
-                temperature=body["temperature"],
-                image=image[:22],
-                structured="response_format" in body,
+                temperature=body.get("temperature"),
+                image=images[0] if images else None,
+                structured=body.get("response_format", {}).get("type", False),
                 messages=len(body["messages"]),
+                fields=sorted(body),
             )
+        if body is not None and "inputs" in body:
+            entry.update(binary="Inference-Header-Content-Length" in self.headers, types=[t["datatype"] for t in body["inputs"]])
         with open(log_file, "a") as log:
             log.write(json.dumps(entry) + "\n")
         return number
