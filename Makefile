@@ -251,6 +251,13 @@ batch-status: batch-shown ## What of a batch runs where, and the time left: [BAT
 .PHONY: test test-unit test-cli
 test: test-unit test-fuzz test-cli ## Run every test (SAN=1 for sanitizers)
 
+# Real model servers from PyPI, which take minutes to install: not a part of `make test`. SERVERS is where they are kept.
+SERVERS ?= $(BUILD)/servers
+.PHONY: test-servers
+test-servers: all $(TEST_TOOLS) ## Talk to real model servers (Triton, KServe, MLServer, llama.cpp, transformers), which it installs into build/servers
+	@bash tests/servers/install.sh $(abspath $(SERVERS))
+	@PM_SERVERS=$(abspath $(SERVERS)) PM_BIN=$(abspath $(BIN)) bats --tap $(sort $(wildcard tests/servers/*.bats))
+
 # So that CI compiles in parallel and tests one after the other.
 .PHONY: test-programs
 test-programs: all $(BUILD)/test/unit $(TEST_TOOLS) $(FAILING_CALLS) $$(patsubst %,$(BUILD)/test/fuzz/%,$$(FUZZ_TARGETS))

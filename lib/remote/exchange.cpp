@@ -217,7 +217,7 @@ Json parse_reply(const std::string& body, const std::string& source, bool loose_
 }
 
 std::string words_of(const std::string& body) {
-  constexpr size_t kLimit = 300;
+  constexpr size_t kLimit = 320, kBeginning = 100;
   std::string text = body;
   try {
     Json json = parse_json(body, "error");
@@ -246,11 +246,13 @@ std::string words_of(const std::string& body) {
   }
   // Runs of blanks, as pages have them, say nothing.
   std::string shown;
-  for (const char c : one_line(text, 4096)) {
+  for (const char c : one_line(text, 16384)) {
     if (c != ' ' || (!shown.empty() && shown.back() != ' ')) shown += c;
   }
   while (!shown.empty() && shown.back() == ' ') shown.pop_back();
-  return one_line(shown, kLimit);
+  if (shown.size() <= kLimit) return shown;
+  // A traceback says last what went wrong.
+  return one_line(shown, kBeginning) + " " + one_line(shown.substr(shown.size() - (kLimit - kBeginning)), kLimit);
 }
 
 Error provider_error(const std::string& source, const std::string& what) {

@@ -147,35 +147,46 @@ HttpRequest LiveBackend::http_request(const Request& request) const {
   return http;
 }
 
-// After a 503: waits, longer each time, until the server says that it is ready, or says nothing of that sort. Whether
-// it was not ready: then the refusal does not count as one.
+int LiveBackend::probe(const std::string& address, size_t reply_limit, Json& attempts) {
+  HttpRequest request;
+  request.method = "GET";
+  request.url = address;
+  request.bearer = key_;
+  request.headers = headers_;
+  request.reply_limit = reply_limit;
+  const int status = follow_redirects(request).status;
+  attempts.push_back({{"probe", address.substr(url_.origin.size())}, {"status", status}});
+  return status;
+}
+
+// Whether a refusal says that the server is not ready yet. Triton answers 400 where a model is not ready, but also
+// where there is none: then the server itself is ready.
+bool LiveBackend::is_loading(const Request& request, const HttpResult& result, Json& attempts) {
+  if (result.outcome != Outcome::answered) return false;
+  if (result.status == 503) return true;
+  return result.status == 400 && !request.wants_json &&
+         !is_success(probe(readiness_addresses(url_).back(), request.reply_limit, attempts));
+}
+
+// Waits, longer each time, until the server says that it is ready, or says nothing of that sort. Whether it was not
+// ready: then the refusal does not count as one.
 bool LiveBackend::waits_until_ready(const Request& request, const HttpResult& refusal, int& waits, Json& attempts) {
   const std::string words = said_by(refusal);
-  const std::string why = "HTTP 503" + (words.empty() ? "" : ": " + words);
+  const std::string why = fmt::format("HTTP {}", refusal.status) + (words.empty() ? "" : ": " + words);
   if (!told_of_waiting_) {
     log_note(fmt::format("{}: {}; waiting for it, {:.0f} s at most (--budget)", endpoint_, why, left()));
     told_of_waiting_ = true;
   }
-  // A request that asks whether the server is ready is its own probe.
-  const bool is_probe = !request.wants_json;
   for (bool was_ready = true;; was_ready = false) {
     wait(std::max(refusal.retry_after, backoff(waits++)), why);
-    if (is_probe) return true;
-    bool ready = false, not_ready = false;
+    // A request that asks whether the server is ready is its own probe.
+    if (!request.wants_json) return true;
+    bool not_ready = false;
     for (const std::string& address : readiness_addresses(url_)) {
-      HttpRequest probe;
-      probe.method = "GET";
-      probe.url = address;
-      probe.bearer = key_;
-      probe.headers = headers_;
-      probe.reply_limit = request.reply_limit;
-      const HttpResult result = follow_redirects(probe);
-      attempts.push_back({{"probe", address.substr(url_.origin.size())}, {"status", result.status}});
-      ready = result.status >= 200 && result.status < 300;
-      not_ready = not_ready || result.status == 503;
-      if (ready) break;
+      const int status = probe(address, request.reply_limit, attempts);
+      if (is_success(status)) return !was_ready;
+      not_ready = not_ready || status == 503;
     }
-    if (ready) return !was_ready;
     if (!not_ready) return true;
   }
 }
@@ -187,9 +198,9 @@ HttpResult LiveBackend::answered(const Request& request, Json& attempts) {
     const Stopwatch watch;
     HttpResult result = follow_redirects(http);
     attempts.push_back({{"status", result.status}, {"why", masked_.masked(result.why)}, {"seconds", watch.seconds()}});
-    if (!is_worth_retrying(result)) return result;
-    if (result.outcome == Outcome::answered && result.status == 503 &&
-        waits_until_ready(request, result, waits, attempts)) {
+    const bool loading = is_loading(request, result, attempts);
+    if (!loading && !is_worth_retrying(result)) return result;
+    if (loading && waits_until_ready(request, result, waits, attempts)) {
       --attempt;
       continue;
     }
@@ -201,8 +212,8 @@ HttpResult LiveBackend::answered(const Request& request, Json& attempts) {
       throw provider_error(endpoint_,
                            fmt::format("{} after {} attempt{}{}", why, attempt + 1, attempt == 0 ? "" : "s", reason));
     }
-    // Of a 503 the wait is over.
-    if (broken || result.status != 503) wait(std::max(result.retry_after, backoff(attempt)), why + reason);
+    // For a server that is loading the wait is over.
+    if (!loading) wait(std::max(result.retry_after, backoff(attempt)), why + reason);
   }
 }
 

@@ -25,6 +25,8 @@ class LiveBackend : public Backend {
  private:
   HttpResult answered(const Request& request, Json& attempts);
   HttpResult follow_redirects(HttpRequest request);
+  bool is_loading(const Request& request, const HttpResult& result, Json& attempts);
+  int probe(const std::string& address, size_t reply_limit, Json& attempts);
   bool waits_until_ready(const Request& request, const HttpResult& refusal, int& waits, Json& attempts);
   void check(const Request& request, const HttpResult& result) const;
   void wait(double seconds, const std::string& why);

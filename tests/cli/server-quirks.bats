@@ -169,7 +169,15 @@ PY
   serve loading
   material --predictor "$url/v2/models/m" --retries 0 --backoff 0.1 --budget 20 --quiet
   stop_server
+  # Triton answers 400 where a model is not ready, and where there is none: then the server itself is ready.
   rm -rf exchanges evidence.json
+  serve loading-triton
+  material --predictor "$url/v2/models/m" --retries 0 --backoff 0.1 --budget 20 --quiet
+  stop_server
+  rm -rf exchanges evidence.json
+  serve triton-nobody
+  fails_with 4 material --predictor "$url/v2/models/m" -- "HTTP 400: Model version not ready"
+  stop_server
   serve loading
   fails_with 4 material --agent "$url" --model tester --budget 0.5 --backoff 0.2 --quiet -- "HTTP 503: Loading model; waiting" "would exceed the budget of 0.5 s"
   [ ! -e evidence.json ]

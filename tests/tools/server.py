@@ -408,6 +408,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
         path = self.path.split("?")[0]
         if mode == "gateway" and not self.may_pass():
             return
+        if mode == "loading-triton" and (path.endswith("/ready") or "/health" in path):
+            return self.reply(400 if self.is_loading() else 200, {"error": "Model version not ready"})
+        if mode == "triton-nobody" and path.endswith("/ready"):
+            return self.reply(200 if "/health" in path else 400, {"error": "Model version not ready"})
         if mode == "loading-silent" and not path.endswith("/ready"):
             return self.reply(404, {"error": "no such path"})
         if self.is_loading():

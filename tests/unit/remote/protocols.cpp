@@ -312,7 +312,10 @@ TEST_CASE("remote: a server's words") {
   CHECK(words_of(R"({"detail": "Not Found"})") == "Not Found");
   CHECK(words_of("<html><body>Please  log\nin</body></html>") == "Please log in");
   CHECK(words_of("") == "");
-  CHECK(words_of(std::string(5000, 'x')).size() <= 303);
+  const std::string traceback = "Traceback: " + std::string(5000, '.') + " IndexError: no such index";
+  CHECK(words_of(traceback).size() <= 330);
+  CHECK(contains(words_of(traceback), "Traceback: "));
+  CHECK(contains(words_of(traceback), "IndexError: no such index"));
 }
 
 TEST_CASE("remote: refusals and withheld answers are the provider's failure") {
