@@ -23,6 +23,7 @@
 #include "records/plan.h"
 #include "records/scene.h"
 #include "remote/address.h"
+#include "remote/check.h"
 #include "remote/request_files.h"
 
 using namespace physmas;
@@ -177,18 +178,24 @@ int ground_scene(Options options) {
 
 int main(int argc, char** argv) {
   Options options;
+  remote::CheckOptions checking;
+  // A server that is to be checked should say now what is wrong.
+  checking.remote.retries = 0;
+  checking.remote.budget = 600;
+  Command check;
   ToolMain tool;
   tool.name = "pm-ground";
   tool.description = "Find the objects and parts of a scene in its four views, and make the prompt a plan of actions.";
   tool.footer =
       "Example: pm-ground --scene bundle/scene.json --out runs/cake\n"
       "         pm-ground --scene bundle/scene.json --out runs/cake --agent http://localhost:8000/v1 --model qwen3-vl\n"
+      "         pm-ground check http://localhost:8000/v1 --model qwen3-vl\n"
       "Reads scene.json (or its slice), the views, an authored inventory and masks; writes inventory.json, plan.json "
       "and masks.h5 into --out and, with a model server, exchanges/NAME.json (physmas/exchange).\n"
       "The key for a model server is read from the environment variable PM_API_KEY and written nowhere.";
   tool.options = [&](Command app) {
-    app.add_option("--scene", options.scene, "Scene bundle, or its slice for this stage").required();
-    app.add_option("--out", options.out, "Folder for the three records").required();
+    app.add_option("--scene", options.scene, "Scene bundle, or its slice for this stage (required)");
+    app.add_option("--out", options.out, "Folder for the three records (required)");
     app.add_option("--agent", options.agent,
                    "builtin (authored inventory, lexical plan), the URL of an OpenAI-compatible server "
                    "(http://localhost:8000/v1), or replay:DIR")
@@ -209,7 +216,28 @@ int main(int argc, char** argv) {
     remote::add_remote_options(app, options.remote);
     remote::add_chat_options(app, options.remote);
     remote::add_tensor_options(app, options.remote);
+
+    check = app.add_subcommand("check", "Ask a model server what works with it, before anything is run");
+    check
+        .add_option("URL", checking.url,
+                    "A chat server (http://localhost:8000/v1), an inference server, or one model of it "
+                    "(http://localhost:8001/v2/models/predictor)")
+        .required();
+    check.add_option("--model", checking.model, "Name of the chat model; by default the first that the server names")
+        .type_name("NAME");
+    check.add_option("--detector", checking.detector, "Name of the detector on an inference server")
+        .capture_default_str();
+    check.add_option("--segmenter", checking.segmenter, "Name of the segmenter on it").capture_default_str();
+    remote::add_remote_options(check, checking.remote);
+    remote::add_chat_options(check, checking.remote);
+    remote::add_tensor_options(check, checking.remote);
   };
-  tool.work = [&](const CommonOptions&) { return ground_scene(options); };
+  tool.work = [&](const CommonOptions&) {
+    if (check.parsed())
+      return static_cast<int>(remote::check_server(checking) ? ExitCode::done : ExitCode::provider_failed);
+    if (options.scene.empty() || options.out.empty())
+      throw Error(ExitCode::usage, (options.scene.empty() ? "--scene" : "--out") + std::string(" is required"));
+    return ground_scene(options);
+  };
   return run_tool(argc, argv, tool);
 }

@@ -59,13 +59,15 @@ class InferenceClient {
   // name.
   void require_model(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
+  // Whether tensors travel in binary, as far as that is known before the first inference.
+  bool is_binary() const;
+
   // One inference. name: of the exchange, unique. Every specified output must come back with its shape.
   std::map<std::string, Tensor> infer(const std::string& name, const std::vector<InputTensor>& inputs,
                                       const std::vector<TensorSpecification>& outputs);
 
  private:
   const DeclaredTensor* declared(const std::vector<DeclaredTensor>& tensors, const std::string& name) const;
-  bool is_binary() const;
 
   Backend& backend_;
   std::string name_;

@@ -44,7 +44,7 @@ def text_of(body):
     """The question; instructions may stand in front of it."""
     content = [m["content"] for m in body["messages"] if m["role"] == "user"][0]
     text = content if isinstance(content, str) else content[0]["text"]
-    starts = [text.index(s) for s in ("The row: ", "The scene: ", "The views: ") if s in text]
+    starts = [text.index(s) for s in ("The row: ", "The scene: ", "The views: ", "The question: ") if s in text]
     return text[min(starts) :] if starts else text
 
 
@@ -117,13 +117,11 @@ def perception_answer(text):
     }
 
 
-def check_answer(body):
-    """What `pm-ground check` asks: a colour."""
-    return {"color": "red"}
-
-
 def answer_to(body):
     text = text_of(body)
+    if text.startswith("The question: "):  # of `pm-ground check`
+        blind = mode == "blind"
+        return {"color": "blue" if "sky" in text else "green" if "grass" in text else "none" if blind else "red"}
     if text.startswith("The scene: "):
         return scene_answer()
     if text.startswith("The views: "):
@@ -269,7 +267,7 @@ def without_axis(body):
 
 def inference_reply(body):
     images = [base64.b64decode(text, validate=True) for text in body["inputs"][0]["data"]]
-    assert all(image.startswith(b"\x89PNG") for image in images)
+    assert images and all(image.startswith(b"\x89PNG") for image in images)
     n = len(images)
     evidence = [[0.6 if label == "Foam" else 0.0 for label in LABELS]] * n
     values = {"E_mean": [-1.0] * n, "E_uncertainty": [0.3] * n, "nu_mean": [None] * n, "nu_uncertainty": [0.04] * n}
@@ -421,6 +419,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.send_header("Content-Length", "0")
             self.end_headers()
         elif path.endswith("/models"):
+            if mode == "unauthorised":
+                return self.reply(401, {"error": {"message": "no key, no answer"}})
             self.reply(200, {"object": "list", "data": [{"id": "tester", "object": "model", "owned_by": "tests"}]})
         elif path.endswith("/health"):
             self.reply(200, {"status": "ok"})
