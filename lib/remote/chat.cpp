@@ -116,6 +116,9 @@ ChatClient::ChatClient(Backend& backend, std::string model, Json added, int asks
 Json ChatClient::request_body(const Question& question, const Rejected* rejected) const {
   Json schema = schema_document(question.schema);
   schema.erase("$schema");
+  if (manner_.given) {
+    for (const auto& [field, value] : question.given) schema["properties"][field] = {{"enum", {value}}};
+  }
   std::string text = question.text;
   if (manner_.schema_in_text)
     text += "\n\nReply with one JSON object and nothing else. It must fit this JSON Schema:\n" + schema.dump();

@@ -34,6 +34,7 @@ const std::vector<int> kRefusals = {400, 404, 415, 422, 501};
 Json Manner::to_json() const {
   return {{"structure", name_in(kStructures, structure)},
           {"schema_in_text", schema_in_text},
+          {"given", given},
           {"correction", after_the_answer ? kAfterAnswer : kAfterQuestion},
           {"system", system},
           {"temperature", temperature},
@@ -47,6 +48,7 @@ Manner manner_of(const ExchangeRecord& record) {
   if (json.is_object()) {
     manner.structure = value_in(kStructures, json.value("structure", "json_schema"));
     manner.schema_in_text = json.value("schema_in_text", true);
+    manner.given = json.value("given", true);
     manner.after_the_answer = json.value("correction", kAfterAnswer) == kAfterAnswer;
     manner.system = json.value("system", true);
     manner.temperature = json.value("temperature", true);
@@ -56,7 +58,7 @@ Manner manner_of(const ExchangeRecord& record) {
   }
   manner.structure = record.request_body.contains("response_format") ? Structure::json_schema : Structure::text;
   manner.schema_in_text = manner.structure == Structure::text;
-  manner.after_the_answer = false;
+  manner.given = manner.after_the_answer = false;
   return manner;
 }
 

@@ -15,6 +15,7 @@ struct Manner {
   enum class Structure { json_schema, json_object, text } structure = Structure::json_schema;
   // In the question's text, too: some servers ignore `response_format` without a word, and models answer better.
   bool schema_in_text = true;
+  bool given = true;  // the schema names the only values of fields that the question decides
   // A correction follows the rejected answer, so that user and assistant take turns; many chat templates want that.
   bool after_the_answer = true;
   bool system = true;  // the instructions are a system message, else the beginning of the user's

@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "records/json.h"
+#include "records/validator.h"
 #include "remote/address.h"
 #include "remote/base64.h"
 #include "remote/chat.h"
@@ -64,6 +65,7 @@ Question question() {
   q.name = "q";
   q.schema = "material_reply";
   q.images = {"PNG"};
+  q.given = {{"key", "a/b"}};
   return q;
 }
 
@@ -147,7 +149,9 @@ TEST_CASE("remote: a question is asked again with the reason, and falls back to 
   CHECK(answer.json["abstain"] == true);
   CHECK(answer.rejected == std::vector<std::string>{"it holds no JSON object"});
   REQUIRE(server.requests.size() == 4);
-  CHECK(server.requests[0].body["response_format"]["json_schema"]["schema"]["additionalProperties"] == false);
+  const Json schema = server.requests[0].body["response_format"]["json_schema"]["schema"];
+  CHECK(schema["additionalProperties"] == false);
+  CHECK(schema["properties"]["key"] == parse_json(R"({"enum": ["a/b"]})", "key"));
   CHECK(server.requests[1].body["response_format"] == Json({{"type", "json_object"}}));
   CHECK_FALSE(server.requests[2].body.contains("response_format"));
   // The schema stands in the text from the first on: a server may ignore it elsewhere.
@@ -279,11 +283,16 @@ TEST_CASE("remote: a record is asked for as it was asked, also one of an earlier
 
   // As version 0.1 asked: the schema in the text only where it was refused elsewhere, the correction after the
   // question.
+  Json plain = schema_document("material_reply");
+  plain.erase("$schema");
   Json old = server.requests[0].body;
   old.erase("top_k");
   std::string& text = old["messages"][1]["content"][0]["text"].get_ref<std::string&>();
-  const std::string with_schema = text;
+  const std::string with_schema = question().text +
+                                  "\n\nReply with one JSON object and nothing else. It must fit this JSON Schema:\n" +
+                                  plain.dump();
   text = question().text;
+  old["response_format"]["json_schema"]["schema"] = plain;
   Request first = server.requests[0];
   first.added.clear();
   first.manner = Json();
