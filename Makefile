@@ -48,7 +48,7 @@ CXXFLAGS := -std=c++17 -march=$(MARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -f
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
           -lopencv_video -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
-          -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lz -lzip -lfmt
+          -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lz -lzstd -lzip -lfmt
 
 LIB_SOURCES := $(wildcard lib/*/*.cpp lib/*/*/*.cpp)
 TOOL_SOURCES := $(wildcard tools/*.cpp)
@@ -189,7 +189,7 @@ endif
 # --- What a bare Debian 12 lacks: one list for people, make and CI ------------------------------------------------
 
 PACKAGES := g++ make libeigen3-dev libhdf5-dev libopencv-core-dev libopencv-imgproc-dev \
-            libopencv-imgcodecs-dev libopencv-video-dev zlib1g-dev libzip-dev libavcodec-dev \
+            libopencv-imgcodecs-dev libopencv-video-dev zlib1g-dev libzstd-dev libzip-dev libavcodec-dev \
             libavformat-dev libavutil-dev libswscale-dev nlohmann-json3-dev libvalijson-dev \
             libssl-dev libcurl4-openssl-dev libcli11-dev libfmt-dev libnanoflann-dev doctest-dev bats python3 \
             gnuplot-nox

@@ -18,7 +18,7 @@ constexpr double kDropByPrompt = -1;
 int main(int argc, char** argv) {
   std::string example, scene, described, folder, overrides_file, prompt;
   std::vector<std::string> settings, defaults;
-  std::vector<double> crop;
+  std::vector<std::string> crop, reading;
   bundle::ImportOptions import;
   bool true_masks = false;
   Command synth_command, import_command, slice_command, info_command;
@@ -29,7 +29,8 @@ int main(int argc, char** argv) {
   tool.footer =
       "Examples: pm-scene synth examples/cake.json --out runs/cake/scene\n"
       "          pm-scene import guitar.compressed.ply --up=-y --prompt \"the guitar falls onto the floor\" --out DIR\n"
-      "Reads:    example.json, .ply, .compressed.ply, .spz, .splat    Writes: scene.json, gaussians.ply, views/*.png";
+      "Reads:    example.json, .ply, .compressed.ply, .spz, .sog, .splat    Writes: scene.json, gaussians.ply, "
+      "views/*.png";
   tool.options = [&](Command app) {
     app.require_subcommand(1);
     app.fallthrough();
@@ -39,13 +40,15 @@ int main(int argc, char** argv) {
     synth_command.add_flag("--true-masks", true_masks, "Also write the true masks, true-masks/VIEW/OBJECT/PART.png");
 
     import_command = app.add_subcommand("import", "A bundle from a file of 3D Gaussians");
-    import_command.add_option("FILE", import.gaussians, "3DGS .ply, SuperSplat .compressed.ply, .spz, or .splat")
+    import_command
+        .add_option("FILE", import.gaussians,
+                    "3DGS .ply, SuperSplat .compressed.ply, .spz, .sog or the folder of one, .splat; also within gzip")
         .required();
     import_command.add_option("--prompt", import.prompt, "What shall happen").required();
     import_command.add_option("--out", folder, "Folder of the bundle").required();
     import_command
         .add_option("--up", import.up,
-                    "Scene axis that points up; when absent z in nerfstudio's frame, y for .spz, -y else")
+                    "Scene axis that points up; when absent z in nerfstudio's frame, else what FILE says, else -y")
         .one_of({"x", "y", "z", "-x", "-y", "-z"});
     import_command.add_option("--front", import.front,
                               "Axis that the front of things faces, degrees about up from the usual front towards the "
@@ -54,7 +57,18 @@ int main(int argc, char** argv) {
         .add_option("--opacity-threshold", import.selection.opacity_threshold,
                     "Take Gaussians of a higher opacity only")
         .between(0.0, 1.0);
-    import_command.add_option("--crop", crop, "Take Gaussians inside x0 x1 y0 y1 z0 z1 only, scene units").expected(6);
+    import_command
+        .add_option(
+            "--crop", crop,
+            "Take Gaussians inside x0 x1 y0 y1 z0 z1 only, in the file's units; auto: the object, the largest dense "
+            "component")
+        .expected(-1);
+    import_command
+        .add_option("--read", reading,
+                    "linear-scales: scales are no logarithms; drop-broken: leave out Gaussians that no renderer draws, "
+                    "however many")
+        .one_of({"linear-scales", "drop-broken"})
+        .take_all();
     Option views = import_command.add_option("--views", import.views, "Folder with images of your own");
     import_command
         .add_option("--cameras", import.cameras,
@@ -105,7 +119,11 @@ int main(int argc, char** argv) {
   };
   tool.work = [&](const CommonOptions&) {
     import.folder = folder;
-    if (!crop.empty()) import.selection.crop = bundle::crop_box(crop, "--crop");
+    if (!crop.empty()) bundle::set_crop(crop, "--crop", import.selection);
+    for (const std::string& word : reading) {
+      import.reading.linear_scales |= word == "linear-scales";
+      import.reading.drop_broken |= word == "drop-broken";
+    }
     if (synth_command.parsed()) bundle::write_synth_bundle(example, folder, true_masks);
     if (import.drop == kDropByPrompt)
       import.drop = plan::starts_in_the_air(import.prompt) ? bundle::ImportOptions().drop : 0;

@@ -148,19 +148,62 @@ bool AtomicFile::commit() {
   return true;
 }
 
-bool write_file(const std::string& path, const std::string& bytes) {
-  AtomicFile out(path);
-  const int fd = ::open(out.temporary_path().c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
-  if (fd < 0) throw system_error(path, "cannot be written", errno);
-  int reason = 0;
-  for (size_t at = 0; at < bytes.size() && reason == 0;) {
-    const ssize_t n = ::write(fd, bytes.data() + at, bytes.size() - at);
-    if (n >= 0) at += static_cast<size_t>(n);
-    if (n < 0 && errno != EINTR) reason = errno;
+FileWriter::FileWriter(const std::string& path) : path_(path), file_(path) {
+  descriptor_ = ::open(file_.temporary_path().c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
+  if (descriptor_ < 0) throw system_error(path, "cannot be written", errno);
+}
+
+FileWriter::~FileWriter() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+// A descriptor's position is always the end of what was written.
+void FileWriter::append(const char* bytes, size_t count) {
+  for (size_t done = 0; done < count;) {
+    const ssize_t n = ::write(descriptor_, bytes + done, count - done);
+    if (n >= 0) done += static_cast<size_t>(n);
+    if (n < 0 && errno != EINTR) throw system_error(path_, "cannot be written", errno);
   }
+}
+
+void FileWriter::flush() {
+  append(waiting_.data(), waiting_.size());
+  waiting_.clear();
+}
+
+void FileWriter::write(const void* bytes, size_t count) {
+  constexpr size_t kPiece = size_t{1} << 20;
+  if (waiting_.size() + count > kPiece) flush();
+  written_ += count;
+  if (count > kPiece) {
+    append(static_cast<const char*>(bytes), count);
+  } else {
+    waiting_.append(static_cast<const char*>(bytes), count);
+  }
+}
+
+void FileWriter::overwrite(uint64_t at, const void* bytes, size_t count) {
+  flush();
+  for (size_t done = 0; done < count;) {
+    const ssize_t n =
+        ::pwrite(descriptor_, static_cast<const char*>(bytes) + done, count - done, static_cast<off_t>(at + done));
+    if (n >= 0) done += static_cast<size_t>(n);
+    if (n < 0 && errno != EINTR) throw system_error(path_, "cannot be written", errno);
+  }
+}
+
+bool FileWriter::commit() {
+  flush();
   // Some file systems tell only here that the disk is full.
-  if (::close(fd) != 0 && reason == 0) reason = errno;
-  if (reason != 0) throw system_error(path, "cannot be written", reason);
+  const int closed = ::close(descriptor_);
+  descriptor_ = -1;
+  if (closed != 0) throw system_error(path_, "cannot be written", errno);
+  return file_.commit();
+}
+
+bool write_file(const std::string& path, const std::string& bytes) {
+  FileWriter out(path);
+  out.write(bytes);
   return out.commit();
 }
 

@@ -42,6 +42,30 @@ class AtomicFile {
   bool committed_ = false;
 };
 
+// An AtomicFile that is written piece by piece. Errors as those of AtomicFile.
+class FileWriter {
+ public:
+  explicit FileWriter(const std::string& path);
+  ~FileWriter();
+  void write(const void* bytes, size_t count);
+  void write(const std::string& bytes) { write(bytes.data(), bytes.size()); }
+  uint64_t written() const { return written_; }
+  // Replaces bytes that were written before; at + count <= written().
+  void overwrite(uint64_t at, const void* bytes, size_t count);
+  // Returns whether the file changed.
+  bool commit();
+
+ private:
+  void flush();
+  void append(const char* bytes, size_t count);
+
+  std::string path_;
+  AtomicFile file_;
+  int descriptor_ = -1;
+  uint64_t written_ = 0;
+  std::string waiting_;  // the last bytes of it, not in the file yet
+};
+
 // Writes `bytes` through an AtomicFile. Returns whether the file changed.
 bool write_file(const std::string& path, const std::string& bytes);
 

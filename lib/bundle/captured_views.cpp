@@ -88,15 +88,19 @@ std::vector<CapturedView> views_from_splatting(const Json& document, const std::
 }
 
 bool is_captured_json(const Json& document) {
-  return is_splatting_list(document) || (document.is_object() && document.contains("frames"));
+  return is_splatting_list(document) || is_exported_list(document) || is_world_to_camera_list(document) ||
+         (document.is_object() && document.contains("frames"));
 }
 
 std::vector<CapturedView> captured_views_from(const Json& document, const std::string& file,
                                               const ImageSize& image_size) {
   if (is_splatting_list(document)) return views_from_splatting(document, file);
+  if (is_exported_list(document)) return views_from_exported(document, file, image_size);
+  if (is_world_to_camera_list(document)) return views_from_world_to_camera(document, file, image_size);
   if (is_captured_json(document)) return views_from_transforms(document, file, image_size);
-  throw invalid_input({file, "/", "JSON of another kind",
-                       "a list of {name, image, camera}, a transforms.json with frames, or a 3DGS cameras.json"});
+  throw invalid_input(
+      {file, "/", "JSON of another kind",
+       "a list of {name, image, camera}, a transforms.json with frames, a 3DGS cameras.json, or poses of ns-export"});
 }
 
 std::vector<std::string> captured_view_files(const std::string& path) {

@@ -1,4 +1,4 @@
-// Calibrated images as other programs list them: nerfstudio and Blender, COLMAP, 3D Gaussian Splatting.
+// Calibrated images as other programs list them: nerfstudio and Blender, COLMAP, 3D Gaussian Splatting, scripts.
 #ifndef PHYSMAS_BUNDLE_CAPTURED_VIEWS_H
 #define PHYSMAS_BUNDLE_CAPTURED_VIEWS_H
 
@@ -17,15 +17,17 @@ struct CapturedView {
   std::string image;  // as the file names it: relative, perhaps without extension
   Camera camera;      // scene units; what a pinhole would see
   Distortion distortion = {};
+  bool trained_frame = false;  // nerfstudio's: its dataparser has moved it already
 };
 
 // Width and height of the image of that name, for files that do not tell.
 using ImageSize = std::function<std::pair<int, int>(const std::string& image)>;
 
 // The views of FILE in its order: `transforms.json` (nerfstudio, instant-ngp, Blender), `cameras.json` (Kerbl et al.
-// 2023), or a COLMAP model (its folder, or its cameras.txt, cameras.bin, images.txt or images.bin). Told apart by what
-// is in them. At least one view; every camera is rigid, and its lens perspective. Errors (exit code 3) name the file,
-// the field or line, and, for fisheyes and other lenses, how to undistort.
+// 2023), the list of `ns-export cameras`, world-to-camera matrices, or a COLMAP model (its folder, or its cameras.txt,
+// cameras.bin, images.txt or images.bin). Told apart by what is in them. At least one view; every camera is rigid, and
+// its lens perspective. Errors (exit code 3) name the file, the field or line, and, for fisheyes and other lenses, how
+// to undistort.
 std::vector<CapturedView> load_captured_views(const std::string& path, const ImageSize& image_size);
 
 // The files that load_captured_views reads for `path`: itself, or the two of a COLMAP model.
@@ -45,6 +47,16 @@ std::vector<CapturedView> views_from_transforms(const Json& document, const std:
 // cameras.json: position and camera-to-world rotation with OpenCV axes, fx, fy, width, height; principal point in the
 // middle.
 std::vector<CapturedView> views_from_splatting(const Json& document, const std::string& file);
+// World-to-camera matrices with OpenCV axes, 3 or 4 rows of 4, under w2c, world_to_camera or extrinsic(s), in a list or
+// in `frames`; fx fy cx cy or fl_x fl_y, or a matrix K, and w h or width height, for all or per entry.
+bool is_world_to_camera_list(const Json& document);
+std::vector<CapturedView> views_from_world_to_camera(const Json& document, const std::string& file,
+                                                     const ImageSize& image_size);
+// What `ns-export cameras` writes: camera-to-world matrices with OpenGL axes in nerfstudio's own frame, and no lens,
+// which is taken from a transforms.json beside the list.
+bool is_exported_list(const Json& document);
+std::vector<CapturedView> views_from_exported(const Json& document, const std::string& file,
+                                              const ImageSize& image_size);
 // COLMAP, from the bytes of its cameras and images files (text, or binary). Pinholes and radial or tangential
 // distortion; no fisheyes.
 struct ColmapFiles {

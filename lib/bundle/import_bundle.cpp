@@ -17,7 +17,9 @@
 #include "base/output.h"
 #include "bundle/captured_views.h"
 #include "bundle/dataparser_transform.h"
+#include "bundle/dense_component.h"
 #include "bundle/physgaussian.h"
+#include "bundle/scene_doubts.h"
 #include "bundle/turned_gaussians.h"
 #include "bundle/user_views.h"
 #include "bundle/view_rig.h"
@@ -222,11 +224,11 @@ void remove_other_masks(const std::string& folder, const std::vector<CopiedFile>
 
 namespace {
 
-// Up, where neither the user nor a configuration says it: nerfstudio turns captures so that z is up, .spz files have y
-// up, other captures y down.
-std::string usual_up(const ImportOptions& options) {
+// Up, where neither the user nor a configuration says it: nerfstudio turns captures so that z is up, some files say it,
+// other captures have y down.
+std::string usual_up(const ImportOptions& options, const GaussianNotes& notes) {
   if (!options.dataparser.empty()) return "z";
-  return fs::path(options.gaussians).extension() == ".spz" ? "y" : "-y";
+  return notes.up.empty() ? "-y" : notes.up;
 }
 
 // What --front says where the views are rendered.
@@ -276,7 +278,13 @@ std::string rotation_text(const Eigen::Matrix3d& R) {
                      turn.axis().z());
 }
 
-void record_selection(const Selection& selection, size_t removed, Provenance& provenance) {
+// What was taken of the file, in its own coordinates.
+void record_selection(const Selection& selection, size_t removed, const GaussianNotes& notes, Provenance& provenance) {
+  if (!notes.offset.isZero()) {
+    provenance.options.emplace_back("offset",
+                                    fmt::format("{} {} {}", notes.offset.x(), notes.offset.y(), notes.offset.z()));
+  }
+  if (notes.dropped > 0) provenance.options.emplace_back("gaussians_dropped", std::to_string(notes.dropped));
   if (selection.opacity_threshold > 0) {
     provenance.options.emplace_back("opacity_threshold", fmt::format("{}", selection.opacity_threshold));
   }
@@ -286,6 +294,50 @@ void record_selection(const Selection& selection, size_t removed, Provenance& pr
         "crop", fmt::format("{} {} {} {} {} {}", low.x(), high.x(), low.y(), high.y(), low.z(), high.z()));
   }
   if (removed > 0) provenance.options.emplace_back("gaussians_removed", std::to_string(removed));
+}
+
+// A plane that has a part of the scene behind it: what lies there would be pushed out at once.
+std::string cut_warning(const Gaussians& gaussians, const RunSpecification& run) {
+  constexpr double kWorthAWarning = 0.02;
+  const SolverMap map = solver_map(gaussians, run);
+  for (size_t k = 0; k < run.colliders.size(); ++k) {
+    const RunSpecification::Collider& c = run.colliders[k];
+    if (c.type != RunSpecification::Collider::Type::plane) continue;
+    size_t behind = 0;
+    for (const Eigen::Vector3f& p : gaussians.position) {
+      behind += c.normal.dot(map.to_solver(p.cast<double>()) - c.point) < -0.5 * run.grid.dx();
+    }
+    const double share = static_cast<double>(behind) / static_cast<double>(gaussians.size());
+    if (share < kWorthAWarning) continue;
+    return fmt::format(
+        "colliders/{}: the plane at ({:.3g}, {:.3g}, {:.3g}) goes through the scene, {:.0f} % of whose Gaussians lie "
+        "behind "
+        "it; move it, or the scene with placement.center",
+        k, c.point.x(), c.point.y(), c.point.z(), 100 * share);
+  }
+  return "";
+}
+
+// Removes what is not selected; the crop of the user's is in the file's coordinates, and becomes one of the scene's.
+size_t take_selected(Gaussians& gaussians, ImportOptions& options, const GaussianNotes& notes) {
+  Selection& selection = options.selection;
+  if (selection.crop_dense) {
+    Selection opaque;
+    opaque.opacity_threshold = selection.opacity_threshold;
+    const size_t before = gaussians.size();
+    select_gaussians(gaussians, opaque, options.gaussians);
+    const DenseComponent object = dense_component(gaussians);
+    selection.crop = object.box;
+    log_note(fmt::format("{}: --crop auto takes {} of {} Gaussians: --crop {}", options.gaussians, object.count, before,
+                         crop_text(Eigen::AlignedBox3d(object.box).translate(notes.offset))));
+    selection.crop_axes = Eigen::Matrix3d::Identity();
+    select_gaussians(gaussians, selection, options.gaussians);
+    selection.crop->translate(notes.offset);
+    return before - gaussians.size();
+  }
+  Selection here = selection;
+  if (here.crop) here.crop->translate(-(here.crop_axes * notes.offset));
+  return select_gaussians(gaussians, here, options.gaussians);
 }
 
 }  // namespace
@@ -305,10 +357,15 @@ void write_import_bundle(const ImportOptions& given) {
     base = take_configuration(configuration, options);
   }
   options.dataparser = dataparser_file(options);
-  if (options.up.empty()) options.up = usual_up(options);
-  Gaussians gaussians = load_gaussians(options.gaussians);
-  const size_t removed = select_gaussians(gaussians, options.selection, options.gaussians);
-  const std::string warning = floater_warning(find_floaters(gaussians));
+  GaussianFile file = read_gaussian_file(options.gaussians, options.reading);
+  const GaussianNotes& notes = file.notes;
+  for (const std::string& note : notes.notes) log_note(options.gaussians + ": " + note);
+  for (const std::string& warning : notes.warnings) log_warning(options.gaussians + ": " + warning);
+  if (options.up.empty()) options.up = usual_up(options, notes);
+  Gaussians gaussians = std::move(file.gaussians);
+  const size_t removed = take_selected(gaussians, options, notes);
+  std::string warning = floater_warning(find_floaters(gaussians), notes.offset);
+  if (warning.empty()) warning = surroundings_warning(gaussians, dense_component(gaussians), notes.offset);
   const bool turned = configuration.turn != Eigen::Matrix3d::Identity();
   if (turned) turn_gaussians(gaussians, configuration.turn);
   Scene scene;
@@ -323,8 +380,11 @@ void write_import_bundle(const ImportOptions& given) {
   std::vector<std::pair<std::string, std::string>> chosen;
   double front = 0;
   if (!options.cameras.empty()) {
-    UserViews user = read_user_views(options.cameras, options.views, options.dataparser, configuration.turn, means,
-                                     options.up, options.front, options.folder);
+    DataparserTransform placing;
+    placing.rotation = configuration.turn;
+    placing.translation = -notes.offset;
+    UserViews user = read_user_views(options.cameras, options.views, options.dataparser, placing, means, options.up,
+                                     options.front, options.folder);
     if (!given.dataparser.empty() && given.dataparser != "none" && !user.transformed) {
       throw Error(ExitCode::usage, "--dataparser-transforms: found " + options.cameras +
                                        ", whose cameras are in the coordinates of the Gaussians, expected a file of "
@@ -351,13 +411,14 @@ void write_import_bundle(const ImportOptions& given) {
   provenance.tool = "pm-scene";
   provenance.options = {{"command", "import"}, {"up", options.up}};
   if (!options.front.empty()) provenance.options.emplace_back("front", options.front);
-  record_selection(options.selection, removed, provenance);
+  record_selection(options.selection, removed, notes, provenance);
+  for (const std::string& note : notes.notes) provenance.options.emplace_back("file", note);
   if (turned) provenance.options.emplace_back("turned", rotation_text(configuration.turn));
   for (const auto& [name, image] : chosen) provenance.options.emplace_back("view " + name, image);
   for (const Omission& field : configuration.not_mapped) {
     provenance.options.emplace_back("not mapped " + field.what, field.why);
   }
-  provenance.add_input(options.gaussians);
+  for (const std::string& input : gaussian_input_files(options.gaussians)) provenance.add_input(input);
   if (!options.physgaussian.empty()) provenance.add_input(options.physgaussian);
   if (!options.run.empty()) provenance.add_input(options.run);
   if (!options.cameras.empty()) {
@@ -396,7 +457,10 @@ void write_import_bundle(const ImportOptions& given) {
   save_scene(options.folder + "/scene.json", scene, provenance);
   if (turned) print("turned: the bundle has PhysGaussian's axes, {}\n", rotation_text(configuration.turn));
   for (const Omission& field : configuration.not_mapped) print("not mapped: {}: {}\n", field.what, field.why);
-  if (!warning.empty()) log_warning(options.gaussians + ": " + warning);
+  const std::string doubt = scene_doubt(gaussians, rendered);
+  for (const std::string& text : {doubt, warning, cut_warning(gaussians, scene.run)}) {
+    if (!text.empty()) log_warning(options.gaussians + ": " + text);
+  }
   const size_t simulated = scene.run.particles.simulated(gaussians.size());
   if (simulated < gaussians.size()) {
     log_warning(

@@ -5,14 +5,17 @@
 #include <string>
 
 #include "bundle/selection.h"
+#include "scene/gaussian_files.h"
 
 namespace physmas::bundle {
 
 struct ImportOptions {
-  std::string gaussians;       // .ply, .compressed.ply, .spz or .splat
-  std::string prompt;          // not blank
-  std::string folder;          // of the bundle
-  std::string up;              // empty: what `physgaussian` says, else z in nerfstudio's frame, y for .spz, -y else
+  std::string gaussians;   // a file of read_gaussian_file, or the folder of a SOG scene
+  ReadingOptions reading;  // how its values are taken
+  std::string prompt;      // not blank
+  std::string folder;      // of the bundle
+  // Empty: what `physgaussian` says, else z in nerfstudio's frame, else what the file says, else -y.
+  std::string up;
   std::string front;           // degrees or axis (front_degrees), a view's or image's name; empty: the usual
   std::string name;            // empty: made from the file's name
   std::string views;           // folder with the user's images, or empty

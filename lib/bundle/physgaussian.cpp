@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -42,6 +43,30 @@ int nearest_label(Branch branch, double E, double rho) {
     if (best < 0 || distance < least) best = i, least = distance;
   }
   return best;
+}
+
+// Comments of // and /* */ outside of texts become spaces, so that lines and columns stay.
+std::string without_comments(std::string text) {
+  bool quoted = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (quoted) {
+      if (text[i] == '\\')
+        ++i;
+      else if (text[i] == '"')
+        quoted = false;
+      continue;
+    }
+    quoted = text[i] == '"';
+    const bool line = text.compare(i, 2, "//") == 0, block = text.compare(i, 2, "/*") == 0;
+    if (!line && !block) continue;
+    const size_t end = std::min(block ? text.find("*/", i + 2) : text.find('\n', i), text.size());
+    const size_t stop = block ? std::min(end + 2, text.size()) : end;
+    for (; i < stop; ++i) {
+      if (text[i] != '\n') text[i] = ' ';
+    }
+    --i;
+  }
+  return text;
 }
 
 class Configuration {
@@ -171,7 +196,8 @@ class Configuration {
     if (!config_.has("particle_filling")) return;
     const ForeignObject filling(config_.json().at("particle_filling"), config_.file(), "/particle_filling");
     for (const auto& [key, value] : filling.json().items()) {
-      if (key == "max_partciels_per_cell") {  // spelt so by PhysGaussian
+      // PhysGaussian spells it the first way.
+      if (key == "max_partciels_per_cell" || key == "max_particles_per_cell") {
         const double count = filling.number(key);
         if (!(count >= 1 && count <= 64)) throw filling.error(key, "1 to 64");
         particles["per_cell"] = static_cast<int>(count);
@@ -236,7 +262,7 @@ PhysGaussianImport physgaussian_from(const Json& json, const std::string& file) 
 }
 
 PhysGaussianImport load_physgaussian(const std::string& path) {
-  return physgaussian_from(parse_json(read_file(path), path), path);
+  return physgaussian_from(parse_json(without_comments(read_file(path)), path), path);
 }
 
 Json material_hints(const PhysGaussianImport& import, const std::vector<std::string>& keys) {

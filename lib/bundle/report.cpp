@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/output.h"
+#include "bundle/dense_component.h"
 #include "bundle/selection.h"
 #include "records/inventory.h"
 #include "records/scene.h"
@@ -41,7 +42,8 @@ float median_of(std::vector<float> values) {
 }
 
 void print_gaussians(const std::string& path) {
-  const Gaussians gaussians = load_gaussians(path);
+  const GaussianFile file = read_gaussian_file(path);
+  const Gaussians& gaussians = file.gaussians;
   std::vector<float> opacities, scales;  // the logarithms of the scales to base 10: they span decades
   Eigen::AlignedBox3f bounds;
   for (size_t i = 0; i < gaussians.size(); ++i) {
@@ -68,7 +70,12 @@ void print_gaussians(const std::string& path) {
   print("  floaters             {} outside {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}\n", floaters.count,
         floaters.box.min().x(), floaters.box.min().y(), floaters.box.min().z(), floaters.box.max().x(),
         floaters.box.max().y(), floaters.box.max().z());
-  const std::string warning = floater_warning(floaters);
+  if (!file.notes.up.empty()) print("  up                   {}\n", file.notes.up);
+  if (gaussians.antialiased) print("  anti-aliased         yes\n");
+  for (const std::string& note : file.notes.notes) print("  note                 {}\n", note);
+  for (const std::string& text : file.notes.warnings) log_warning(path + ": " + text);
+  std::string warning = floater_warning(floaters, file.notes.offset);
+  if (warning.empty()) warning = surroundings_warning(gaussians, dense_component(gaussians), file.notes.offset);
   if (!warning.empty()) log_warning(path + ": " + warning);
 }
 

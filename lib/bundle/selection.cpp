@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdlib>
+
 #include "base/error.h"
+#include "bundle/dense_component.h"
 #include "bundle/view_rig.h"
 
 namespace physmas::bundle {
@@ -12,10 +16,21 @@ constexpr double kWorthAWarning = 1.25;
 
 }  // namespace
 
-Eigen::AlignedBox3d crop_box(const std::vector<double>& bounds, const std::string& option) {
-  if (bounds.size() != 6) {
+void set_crop(const std::vector<std::string>& words, const std::string& option, Selection& selection) {
+  if (words.size() == 1 && words[0] == "auto") {
+    selection.crop_dense = true;
+    return;
+  }
+  if (words.size() != 6) {
     throw Error(ExitCode::usage,
-                fmt::format("{}: found {} numbers, expected x0 x1 y0 y1 z0 z1", option, bounds.size()));
+                fmt::format("{}: found {} words, expected x0 x1 y0 y1 z0 z1, or auto", option, words.size()));
+  }
+  std::vector<double> bounds;
+  for (const std::string& word : words) {
+    char* end = nullptr;
+    bounds.push_back(std::strtod(word.c_str(), &end));
+    if (word.empty() || end != word.c_str() + word.size() || !std::isfinite(bounds.back()))
+      throw Error(ExitCode::usage, fmt::format("{}: found \"{}\", expected a number", option, one_line(word, 40)));
   }
   Eigen::AlignedBox3d box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -26,7 +41,7 @@ Eigen::AlignedBox3d crop_box(const std::vector<double>& bounds, const std::strin
     box.min()[axis] = bounds[2 * axis];
     box.max()[axis] = bounds[2 * axis + 1];
   }
-  return box;
+  selection.crop = box;
 }
 
 size_t select_gaussians(Gaussians& g, const Selection& selection, const std::string& file) {
@@ -73,13 +88,12 @@ Floaters find_floaters(const Gaussians& gaussians) {
   return floaters;
 }
 
-std::string floater_warning(const Floaters& floaters) {
+std::string floater_warning(const Floaters& floaters, const Eigen::Vector3d& offset) {
   if (!(floaters.ratio > kWorthAWarning)) return "";
-  const Eigen::Vector3d &low = floaters.box.min(), &high = floaters.box.max();
   return fmt::format(
       "{} floaters make the scene's box {:.3g} times as long: the object gets so much smaller in the "
-      "solver; --crop {:.4g} {:.4g} {:.4g} {:.4g} {:.4g} {:.4g} removes them",
-      floaters.count, floaters.ratio, low.x(), high.x(), low.y(), high.y(), low.z(), high.z());
+      "solver; --crop {} removes them",
+      floaters.count, floaters.ratio, crop_text(Eigen::AlignedBox3d(floaters.box).translate(offset)));
 }
 
 }  // namespace physmas::bundle

@@ -13,12 +13,13 @@ namespace physmas::bundle {
 struct Selection {
   double opacity_threshold = 0;                             // Gaussians of a higher opacity stay; 0 keeps all
   std::optional<Eigen::AlignedBox3d> crop;                  // means strictly inside stay, scene units
+  bool crop_dense = false;                                  // instead of `crop`: the box of dense_component
   Eigen::Matrix3d crop_axes = Eigen::Matrix3d::Identity();  // turns means into the crop's axes
 };
 
-// A crop box from "x0 x1 y0 y1 z0 z1" (the order of PhysGaussian's sim_area). Throws an Error (exit code 2) that names
-// `option` unless the upper end of every axis is above the lower one.
-Eigen::AlignedBox3d crop_box(const std::vector<double>& bounds, const std::string& option);
+// A crop box from "x0 x1 y0 y1 z0 z1" (the order of PhysGaussian's sim_area), or the word "auto". Throws an Error (exit
+// code 2) that names `option` unless there are six numbers and the upper end of every axis is above the lower one.
+void set_crop(const std::vector<std::string>& words, const std::string& option, Selection& selection);
 
 // Removes the others and returns how many they were; values of those that stay are kept bit for bit. Throws an Error
 // (exit code 3, naming `file`) when none stays. Both comparisons are PhysGaussian's.
@@ -34,8 +35,8 @@ struct Floaters {
 Floaters find_floaters(const Gaussians& gaussians);
 
 // A warning when floaters make the scene smaller in the solver by more than a quarter (ratio above 1.25), with the
-// --crop that removes them; else empty.
-std::string floater_warning(const Floaters& floaters);
+// --crop that removes them; else empty. offset: of the file's coordinates (GaussianNotes).
+std::string floater_warning(const Floaters& floaters, const Eigen::Vector3d& offset = {0, 0, 0});
 
 }  // namespace physmas::bundle
 

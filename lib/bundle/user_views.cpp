@@ -58,8 +58,10 @@ UserViews read_own_list(const Json& list, const std::string& cameras, const std:
 
 // The file of an image: under its whole name or its last part, with an extension where it lacks one.
 std::string find_image(const std::string& folder, const std::string& name, const std::string& cameras) {
-  const std::string last = fs::path(name).filename().string();
-  for (const std::string& candidate : {name, last}) {
+  std::string slashes = name;  // of a path that Windows wrote
+  std::replace(slashes.begin(), slashes.end(), '\\', '/');
+  const auto last = [](const std::string& path) { return fs::path(path).filename().string(); };
+  for (const std::string& candidate : {name, last(name), slashes, last(slashes)}) {
     const std::string normal = fs::path(candidate).lexically_normal().generic_string();
     if (normal.empty() || normal[0] == '/' || normal.rfind("..", 0) == 0) continue;
     for (const char* extension : {"", ".png", ".jpg", ".jpeg", ".PNG", ".JPG"}) {
@@ -72,7 +74,9 @@ std::string find_image(const std::string& folder, const std::string& name, const
                        "--views DIR is the folder with the images"});
 }
 
-bool is_named(const std::string& name, const std::string& wanted) {
+bool is_named(std::string name, const std::string& wanted) {
+  if (name == wanted) return true;
+  std::replace(name.begin(), name.end(), '\\', '/');
   const fs::path path(name);
   return name == wanted || path.filename() == wanted || path.stem() == wanted;
 }
@@ -123,7 +127,7 @@ Camera scaled_to(Camera camera, const Image& image, const std::string& file) {
 }  // namespace
 
 UserViews read_user_views(const std::string& cameras, const std::string& folder, const std::string& dataparser,
-                          const Eigen::Matrix3d& turn, const std::vector<Eigen::Vector3d>& points,
+                          const DataparserTransform& placing, const std::vector<Eigen::Vector3d>& points,
                           const std::string& up, const std::string& front, const std::string& bundle) {
   const std::optional<double> degrees = front.empty() ? 0 : front_degrees(front, up);
   const ImageSize size_of = [&](const std::string& name) {
@@ -131,7 +135,7 @@ UserViews read_user_views(const std::string& cameras, const std::string& folder,
     return std::make_pair(image.width, image.height);
   };
   std::optional<DataparserTransform> turning;  // none keeps cameras bit for bit
-  if (turn != Eigen::Matrix3d::Identity()) turning.emplace().rotation = turn;
+  if (placing.rotation != Eigen::Matrix3d::Identity() || !placing.translation.isZero()) turning = placing;
   std::vector<CapturedView> captured;
   if (fs::path(cameras).extension() == ".json") {
     const Json document = parse_json(read_file(cameras), cameras);
@@ -144,7 +148,8 @@ UserViews read_user_views(const std::string& cameras, const std::string& folder,
   } else {
     captured = load_captured_views(cameras, size_of);
   }
-  if (!dataparser.empty()) {
+  const bool moved = !dataparser.empty() && !captured.front().trained_frame;
+  if (moved) {
     const DataparserTransform transform = load_dataparser_transform(dataparser);
     for (CapturedView& view : captured) transform.apply(view.camera);
   }
@@ -160,7 +165,7 @@ UserViews read_user_views(const std::string& cameras, const std::string& folder,
     user.front = azimuth_of(captured[front_view].camera, middle_of(points), up);
   }
   const std::array<ChosenView, 4> chosen = choose_views(captured, points, up, cameras, user.front, front_view);
-  user.transformed = !dataparser.empty();
+  user.transformed = moved;
   for (size_t side = 0; side < chosen.size(); ++side) {
     const CapturedView& from = captured[chosen[side].index];
     const std::string source = find_image(folder, from.image, cameras);

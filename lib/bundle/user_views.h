@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "bundle/dataparser_transform.h"
 #include "records/scene.h"
 
 namespace physmas::bundle {
@@ -33,10 +34,10 @@ struct UserViews {
 // made; the name of the view or image that is the front; or empty. Of our own list, the view that is named or stands
 // nearest comes first and the others follow in the order of the list, begun again at its end. dataparser: a file of
 // load_dataparser_transform that is applied to cameras of other programs, or empty. points, up: of the scene, for the
-// choice. turn: a rotation that the scene was turned by and that the cameras follow, at the end. bundle: the folder
-// that the copies go to. Errors (exit code 3) name file and field.
+// choice. placing: a motion of the scene from the file's coordinates that the cameras follow, at the end. bundle: the
+// folder that the copies go to. Errors (exit code 3) name file and field.
 UserViews read_user_views(const std::string& cameras, const std::string& folder, const std::string& dataparser,
-                          const Eigen::Matrix3d& turn, const std::vector<Eigen::Vector3d>& points,
+                          const DataparserTransform& placing, const std::vector<Eigen::Vector3d>& points,
                           const std::string& up, const std::string& front, const std::string& bundle);
 
 }  // namespace physmas::bundle

@@ -2,16 +2,14 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <zip.h>
 
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <memory>
-#include <set>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/zip_archive.h"
 #include "records/json.h"
 
 namespace physmas::metrics {
@@ -20,68 +18,6 @@ namespace {
 constexpr size_t kMaxValues = size_t{1} << 26;
 constexpr size_t kMaxFile = size_t{1} << 29;
 constexpr int kMaxAxes = 8;
-
-// The entries of a ZIP archive in memory, stored and deflated ones, as numpy writes .npz files.
-class Archive {
- public:
-  // bytes: kept by the caller. Errors (exit code 3): bytes that are no archive, a name that occurs twice.
-  Archive(const std::string& bytes, const std::string& file) : file_(file) {
-    zip_error_t error;
-    zip_error_init(&error);
-    zip_source_t* source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, &error);
-    zip_.reset(source == nullptr ? nullptr : zip_open_from_source(source, ZIP_RDONLY, &error));
-    if (!zip_) {
-      const std::string problem = one_line(zip_error_strerror(&error));
-      zip_source_free(source);
-      zip_error_fini(&error);
-      throw invalid_input({file_, "", "\"" + problem + "\"", "a whole ZIP archive"});
-    }
-    const zip_int64_t count = zip_get_num_entries(zip_.get(), 0);
-    for (zip_int64_t i = 0; i < count; ++i) {
-      const char* name = zip_get_name(zip_.get(), static_cast<zip_uint64_t>(i), ZIP_FL_ENC_RAW);
-      if (name == nullptr || !names_.insert(name).second)
-        throw invalid_input({file_, fmt::format("entry {}", i), "a name that occurs twice", "each name once"});
-    }
-  }
-
-  // The entry's bytes, checked against their CRC. Errors (exit code 3): none of that name; encrypted or compressed in
-  // another way than by deflate; above 2^29 bytes; damaged.
-  std::string read(const std::string& name) const {
-    zip_stat_t entry;
-    const zip_int64_t index = zip_name_locate(zip_.get(), name.c_str(), ZIP_FL_ENC_RAW);
-    if (index < 0 || zip_stat_index(zip_.get(), static_cast<zip_uint64_t>(index), 0, &entry) != 0)
-      throw invalid_input(
-          {file_, name, "no such entry", one_line(fmt::format("it among {}", fmt::join(names_, ", ")), 200)});
-    if (entry.encryption_method != ZIP_EM_NONE) throw invalid_input({file_, name, "an encrypted entry", "a plain one"});
-    if (entry.comp_method != ZIP_CM_STORE && entry.comp_method != ZIP_CM_DEFLATE)
-      throw invalid_input(
-          {file_, name, fmt::format("compression method {}", entry.comp_method), "0 (stored) or 8 (deflate)"});
-    if (entry.size > kMaxFile)
-      throw invalid_input(
-          {file_, name, fmt::format("{} bytes", entry.size), fmt::format("at most {} bytes", kMaxFile)});
-    // Checked before anything of that size is allocated.
-    if (entry.comp_method == ZIP_CM_STORE ? entry.size != entry.comp_size
-                                          : entry.size / kMaxDeflateRatio > entry.comp_size)
-      throw invalid_input(
-          {file_, name, fmt::format("{} bytes from {}", entry.size, entry.comp_size), "sizes that fit"});
-    const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> stream(
-        zip_fopen_index(zip_.get(), static_cast<zip_uint64_t>(index), 0), zip_fclose);
-    std::string out(entry.size, '\0');
-    char more = 0;
-    // The checksum is compared at the end, which only reading beyond it reaches.
-    if (!stream || zip_fread(stream.get(), out.data(), entry.size) != static_cast<zip_int64_t>(entry.size) ||
-        zip_fread(stream.get(), &more, 1) != 0)
-      throw invalid_input({file_, name, "damaged data", "what its size and checksum say"});
-    return out;
-  }
-
- private:
-  static constexpr size_t kMaxDeflateRatio = 1032;
-
-  std::string file_;
-  std::unique_ptr<zip_t, void (*)(zip_t*)> zip_{nullptr, zip_discard};
-  std::set<std::string> names_;
-};
 
 struct NpyHeader {
   std::string descr;
@@ -230,7 +166,7 @@ std::map<std::string, Array> parse_arrays(const std::string& bytes, const std::s
                                           const std::vector<std::string>& names) {
   std::map<std::string, Array> arrays;
   if (bytes.compare(0, 2, "PK") == 0) {
-    const Archive zip(bytes, file);
+    const ZipArchive zip(bytes, file);
     for (const std::string& name : names) arrays[name] = parse_npy(zip.read(name + ".npy"), file, name);
     return arrays;
   }

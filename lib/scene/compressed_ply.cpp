@@ -141,7 +141,7 @@ Gaussians read_compressed_ply(const PlyFile& file) {
       const double t = unorm(word(3), 24 - 8 * a, 8);
       g.sh[i * (rest + 1)][a] = sh_of_color(c.min_color[a] * (1 - t) + c.max_color[a] * t);
     }
-    g.opacity_logit[i] = opacity_logit_of_byte(word(3) & 0xff);
+    g.opacity_logit[i] = opacity_logit_of((word(3) & 0xff) / 255.0);
   });
   if (sh != nullptr) {
     std::vector<std::string> names;

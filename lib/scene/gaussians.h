@@ -18,7 +18,10 @@ constexpr int sh_coefficient_count(int degree) {
 // N Gaussians in file order, scene space (Kerbl et al. 2023). The raw values are kept bit for bit, so that a file
 // that is read and written again is unchanged; the activated values below are what rendering and simulation use.
 struct Gaussians {
-  int sh_degree = 0;                           // 0..3
+  int sh_degree = 0;  // 0..3
+  // Trained with anti-aliasing (Yu et al. 2024): what the low-pass filter of the image adds to a splat's area is taken
+  // from its opacity when it is drawn.
+  bool antialiased = false;
   std::vector<Eigen::Vector3f> position;       // [N] mean, scene units
   std::vector<Eigen::Vector3f> log_scale;      // [N] natural logarithm of the standard deviation per axis
   std::vector<std::array<float, 4>> rotation;  // [N] quaternion w, x, y, z as stored, not normalised, norm > 0

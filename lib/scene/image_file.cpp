@@ -139,6 +139,30 @@ void check_jpeg(const std::string& path, const std::string& bytes) {
   throw invalid_input({path, "", "no frame header", "a whole JPEG image"});
 }
 
+// Little-endian.
+uint32_t little(const std::string& bytes, size_t at, int count) {
+  uint32_t value = 0;
+  for (int i = count - 1; i >= 0; --i) value = value << 8 | static_cast<uint8_t>(bytes[at + i]);
+  return value;
+}
+
+// The size in the first chunk of a WebP.
+void check_webp(const std::string& path, const std::string& bytes, uint64_t most) {
+  if (bytes.size() < 30 || little(bytes, 4, 4) > bytes.size() - 8)
+    throw invalid_input({path, "", fmt::format("{} bytes", bytes.size()), "a whole WebP image", "the file is cut off"});
+  const std::string chunk = bytes.substr(12, 4);
+  if (chunk == "VP8L") {
+    const uint32_t bits = little(bytes, 21, 4);
+    check_size(path, "VP8L", (bits & 0x3fff) + 1, (bits >> 14 & 0x3fff) + 1, most);
+  } else if (chunk == "VP8X") {
+    check_size(path, "VP8X", little(bytes, 24, 3) + 1, little(bytes, 27, 3) + 1, most);
+    if (bytes.find("VP8L", 30) == std::string::npos)
+      throw invalid_input({path, "", "no lossless picture", "a WebP image without loss"});
+  } else {
+    throw invalid_input({path, "byte 12", "a WebP image with loss", "one without, as its values are no colours"});
+  }
+}
+
 }  // namespace
 
 std::string encode_png(const Image& image) {
@@ -157,28 +181,61 @@ Image load_image(const std::string& path) {
   return decode_image(read_file(path, kMaxImageBytes), path);
 }
 
-Image decode_image(const std::string& bytes, const std::string& path) {
-  const bool png = bytes.compare(0, 8, "\x89PNG\r\n\x1a\n") == 0;
-  const bool jpeg = bytes.compare(0, 3, "\xff\xd8\xff") == 0;
-  if (!png && !jpeg) throw invalid_input({path, "byte 0", "neither a PNG nor a JPEG signature", "a PNG or JPEG image"});
-  png ? check_png(path, bytes) : check_jpeg(path, bytes);
-  cv::Mat decoded;
+namespace {
+
+// kind: for messages.
+cv::Mat decoded(const std::string& bytes, const std::string& path, const char* kind) {
+  cv::Mat pixels;
   ForeignLines foreign;
   try {
     const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-    decoded = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
+    pixels = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception& error) {
     throw invalid_input({path, "", one_line(error.err), "a decodable image"});
   }
   const std::string lines = one_line(foreign.take(), 200);
-  if (decoded.empty())
-    throw invalid_input({path, "", "data that cannot be decoded", "a whole PNG or JPEG image", lines});
+  if (pixels.empty()) throw invalid_input({path, "", "data that cannot be decoded", kind, lines});
   if (!lines.empty()) log_info(path + ": read, although " + lines);
-  if (decoded.depth() == CV_16U) decoded.convertTo(decoded, CV_8U, 1 / 257.0);
-  if (decoded.depth() != CV_8U || decoded.channels() == 2) {
+  if (pixels.depth() == CV_16U) pixels.convertTo(pixels, CV_8U, 1 / 257.0);
+  if (pixels.depth() != CV_8U || pixels.channels() == 2) {
     throw invalid_input({path, "", "an unusual pixel format", "8 or 16 bits; grey, RGB or RGBA"});
   }
-  return image_of(swap_red_and_blue(decoded));
+  return pixels;
+}
+
+bool is_png(const std::string& bytes) {
+  return bytes.compare(0, 8, "\x89PNG\r\n\x1a\n") == 0;
+}
+
+}  // namespace
+
+Image decode_image(const std::string& bytes, const std::string& path) {
+  const bool jpeg = bytes.compare(0, 3, "\xff\xd8\xff") == 0;
+  if (!is_png(bytes) && !jpeg)
+    throw invalid_input({path, "byte 0", "neither a PNG nor a JPEG signature", "a PNG or JPEG image"});
+  is_png(bytes) ? check_png(path, bytes) : check_jpeg(path, bytes);
+  return image_of(swap_red_and_blue(decoded(bytes, path, "a whole PNG or JPEG image")));
+}
+
+Image decode_rgba(const std::string& bytes, const std::string& path, uint64_t most) {
+  const bool webp = bytes.compare(0, 4, "RIFF") == 0 && bytes.compare(8, 4, "WEBP") == 0;
+  if (!is_png(bytes) && !webp)
+    throw invalid_input({path, "byte 0", "neither a WebP nor a PNG signature", "a lossless WebP or PNG image"});
+  if (webp) {
+    check_webp(path, bytes, most);
+  } else {
+    check_png(path, bytes);
+    check_size(path, "IHDR", number(bytes, 16, 4), number(bytes, 20, 4), most);
+  }
+  const cv::Mat pixels = decoded(bytes, path, "a whole WebP or PNG image");
+  check_size(path, "", static_cast<uint64_t>(pixels.cols), static_cast<uint64_t>(pixels.rows), most);
+  cv::Mat rgba;
+  const int channels = pixels.channels();
+  cv::cvtColor(pixels, rgba,
+               channels == 1   ? cv::COLOR_GRAY2RGBA
+               : channels == 3 ? cv::COLOR_BGR2RGBA
+                               : cv::COLOR_BGRA2RGBA);
+  return image_of(rgba);
 }
 
 Image fit_into(const Image& picture, int width, int height) {

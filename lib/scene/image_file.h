@@ -27,6 +27,10 @@ Image load_image(const std::string& path);
 // The same from the file's bytes; `path` is only named in messages.
 Image decode_image(const std::string& bytes, const std::string& path);
 
+// The values of a lossless WebP or PNG of 8 bits, as RGBA, whatever of them is stored; one that has no alpha is opaque.
+// most: pixels that it may have at all. Errors (exit code 3) name `path`.
+Image decode_rgba(const std::string& bytes, const std::string& path, uint64_t most);
+
 // The picture as large as fits into width x height pixels, centred on white; of its channels.
 Image fit_into(const Image& picture, int width, int height);
 

@@ -1,13 +1,16 @@
 #include "scene/ply_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
 
 #include "base/error.h"
+#include "base/file.h"
 
 namespace physmas {
 namespace {
@@ -16,6 +19,8 @@ namespace {
 constexpr size_t kMaxHeaderBytes = size_t{1} << 20;
 // Names are searched linearly; no real file declares this many elements, or properties of one.
 constexpr size_t kMaxDeclarations = 1024;
+constexpr size_t kTextSample = 4096;  // bytes that tell text from numbers
+constexpr size_t kHeldBytes = size_t{4} << 20;
 
 bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f';
@@ -73,7 +78,7 @@ T load(const char* at, bool swap) {
 
 // Whether the body is made of nothing but what an ascii PLY body holds.
 bool reads_as_text(const char* begin, size_t size) {
-  const size_t n = std::min<size_t>(size, 4096);
+  const size_t n = std::min<size_t>(size, kTextSample);
   if (n < 16) return false;
   for (size_t i = 0; i < n; ++i) {
     const char c = begin[i];
@@ -110,13 +115,62 @@ int PlyElement::find(const std::string& property) const {
   return -1;
 }
 
-PlyFile::PlyFile(std::string path, const std::string& bytes) : path_(std::move(path)), bytes_(bytes) {
-  parse_header();
+PlyBytes::PlyBytes(const std::string& path, uint64_t limit)
+    : path_(path), descriptor_(open_regular_file(path)), size_(regular_file_size(path)) {
+  if (size_ <= limit) return;
+  close(descriptor_);
+  throw invalid_input({path, "size", fmt::format("{} bytes", size_), fmt::format("at most {} bytes", limit)});
+}
+
+PlyBytes::~PlyBytes() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+const char* PlyBytes::view(uint64_t at, size_t count) const {
+  if (memory_ != nullptr) return memory_->data() + at;
+  if (at >= begin_ && at + count <= begin_ + held_.size()) return held_.data() + (at - begin_);
+  held_.resize(static_cast<size_t>(std::min<uint64_t>(std::max(kHeldBytes, count), size_ - at)));
+  begin_ = at;
+  for (size_t done = 0; done < held_.size();) {
+    const ssize_t got = pread(descriptor_, &held_[done], held_.size() - done, static_cast<off_t>(at + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw system_error(path_, "cannot be read", errno);
+    if (got == 0) throw invalid_input({path_, "size", "a file that became shorter while it was read", "one at rest"});
+    done += static_cast<size_t>(got);
+  }
+  return held_.data();
+}
+
+PlyFile::PlyFile(std::string path, const std::string& bytes)
+    : path_(std::move(path)), bytes_(std::make_unique<PlyBytes>(bytes)) {
+  read();
+}
+
+PlyFile::PlyFile(const std::string& path, uint64_t limit)
+    : path_(path), bytes_(std::make_unique<PlyBytes>(path, limit)) {
+  read();
+}
+
+void PlyFile::read() {
+  const auto first = static_cast<size_t>(std::min<uint64_t>(bytes_->size(), kMaxHeaderBytes));
+  parse_header(std::string(bytes_->view(0, first), first));
+  bool lists = false;
+  for (const PlyElement& element : elements_) {
+    for (const PlyProperty& property : element.properties) lists |= property.is_list;
+  }
+  if (!bytes_->in_memory() && (lists || format_ == PlyFormat::ascii)) {
+    whole_ = read_file(path_, bytes_->size());
+    bytes_ = std::make_unique<PlyBytes>(whole_);
+  }
   if (format_ == PlyFormat::ascii) {
     locate_text_elements();
   } else {
     locate_binary_elements();
   }
+}
+
+const std::string& PlyFile::text() const {
+  return bytes_->memory();
 }
 
 bool PlyFile::is_ply(const std::string& bytes) {
@@ -130,26 +184,32 @@ const PlyElement* PlyFile::find(const std::string& name) const {
   return nullptr;
 }
 
-void PlyFile::parse_header() {
-  if (!is_ply(bytes_)) throw invalid_input({path_, "byte 0", quoted(bytes_.substr(0, 4)), "the PLY magic \"ply\""});
+void PlyFile::parse_header(const std::string& text) {
+  if (!is_ply(text)) throw invalid_input({path_, "byte 0", quoted(text.substr(0, 4)), "the PLY magic \"ply\""});
   bool have_format = false;
   size_t at = 0;
   for (int line_number = 1;; ++line_number) {
-    const size_t end = bytes_.find('\n', at);
-    if (end == std::string::npos || end > kMaxHeaderBytes) {
-      const std::string found = end == std::string::npos && bytes_.size() <= kMaxHeaderBytes
-                                    ? fmt::format("the end of the file at byte {}", bytes_.size())
+    const size_t end = text.find('\n', at);
+    if (end == std::string::npos) {
+      const std::string found = bytes_->size() <= kMaxHeaderBytes
+                                    ? fmt::format("the end of the file at byte {}", bytes_->size())
                                     : fmt::format("no end within {} bytes", kMaxHeaderBytes);
       throw invalid_input({path_, "header", found, "a line \"end_header\"", "the file may be cut off"});
     }
-    const std::string line = bytes_.substr(at, end - at);
+    const std::string line = text.substr(at, end - at);
     at = end + 1;
     const std::vector<std::string> words = split(line);
     const auto bad_line = [&](const std::string& expected) {
       return invalid_input({path_, fmt::format("header line {}", line_number), quoted(line), expected});
     };
     if (line_number == 1) continue;
-    if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+    if (words.empty() || words[0] == "obj_info") continue;
+    if (words[0] == "comment") {
+      const size_t start = line.find("comment") + 7, last = line.find_last_not_of("\r");
+      if (comments_.size() < kMaxDeclarations && last > start)
+        comments_.push_back(line.substr(start + 1, last - start));
+      continue;
+    }
     if (words[0] == "end_header") break;
     if (words[0] == "format") {
       if (words.size() != 3 || words[2] != "1.0" || have_format) throw bad_line("one line \"format KIND 1.0\"");
@@ -202,7 +262,8 @@ void PlyFile::parse_header() {
 }
 
 void PlyFile::locate_binary_elements() {
-  if (reads_as_text(bytes_.data() + body_, bytes_.size() - body_)) {
+  const auto start = static_cast<size_t>(std::min<uint64_t>(bytes_->size() - body_, kTextSample));
+  if (reads_as_text(bytes_->view(body_, start), start)) {
     throw invalid_input({path_, fmt::format("byte {}", body_), "text", "the binary values that the header declares",
                          "the format line should perhaps say ascii"});
   }
@@ -217,7 +278,7 @@ void PlyFile::locate_binary_elements() {
     }
     if (!has_list) element.row_size = fixed;
     if (fixed == 0) continue;
-    const size_t left = bytes_.size() - at;
+    const size_t left = bytes_->size() - at;
     if (element.count > left / fixed) {
       throw invalid_input({path_, "element " + element.name, fmt::format("{} bytes from byte {} on", left, at),
                            fmt::format("{} rows of {}{} bytes", element.count, has_list ? "at least " : "", fixed),
@@ -231,9 +292,9 @@ void PlyFile::locate_binary_elements() {
       for (const PlyProperty& property : element.properties) {
         const size_t size = ply_type_size(property.is_list ? property.count_type : property.type);
         const auto check = [&](double length, size_t each) {
-          if (length >= 0 && length * static_cast<double>(each) <= static_cast<double>(bytes_.size() - at)) return;
+          if (length >= 0 && length * static_cast<double>(each) <= static_cast<double>(bytes_->size() - at)) return;
           throw invalid_input({path_, fmt::format("element {} row {} property {}", element.name, row, property.name),
-                               fmt::format("{} bytes left at byte {}", bytes_.size() - at, at),
+                               fmt::format("{} bytes left at byte {}", bytes_->size() - at, at),
                                fmt::format("{} values of {} bytes", length, each)});
         };
         check(1, size);
@@ -246,21 +307,19 @@ void PlyFile::locate_binary_elements() {
       }
     }
   }
-  if (at != bytes_.size()) {
-    throw invalid_input({path_, fmt::format("byte {}", at), fmt::format("{} more bytes", bytes_.size() - at),
-                         "the end of the file after the declared rows", "the header's counts or types are wrong"});
-  }
+  trailing_ = bytes_->size() - at;
 }
 
 void PlyFile::locate_text_elements() {
+  const std::string& bytes = text();
   size_t at = body_;
   for (PlyElement& element : elements_) {
     element.begin = at;
     if (element.properties.empty()) continue;
     // A value takes a digit and a separator; the very last separator may be missing.
-    const size_t values = (bytes_.size() - at + 1) / 2;
+    const size_t values = (bytes.size() - at + 1) / 2;
     if (element.count > values / element.properties.size()) {
-      throw invalid_input({path_, "element " + element.name, fmt::format("{} bytes", bytes_.size() - at),
+      throw invalid_input({path_, "element " + element.name, fmt::format("{} bytes", bytes.size() - at),
                            fmt::format("{} rows of {} values", element.count, element.properties.size()),
                            "the file is cut off or its count is wrong"});
     }
@@ -271,23 +330,21 @@ void PlyFile::locate_text_elements() {
       }
     }
   }
-  while (at < bytes_.size() && is_space(bytes_[at])) ++at;
-  if (at != bytes_.size()) {
-    throw invalid_input({path_, fmt::format("byte {}", at), quoted(bytes_.substr(at, 41)),
-                         "the end of the file after the declared rows", "the header's counts are wrong"});
-  }
+  while (at < bytes.size() && is_space(bytes[at])) ++at;
+  trailing_ = bytes.size() - at;
 }
 
 std::string PlyFile::next_token(size_t& at, const PlyElement& element, uint64_t row) const {
-  while (at < bytes_.size() && is_space(bytes_[at])) ++at;
+  const std::string& bytes = text();
+  while (at < bytes.size() && is_space(bytes[at])) ++at;
   const size_t start = at;
-  while (at < bytes_.size() && !is_space(bytes_[at])) ++at;
+  while (at < bytes.size() && !is_space(bytes[at])) ++at;
   if (at == start) {
     throw invalid_input({path_, fmt::format("element {} row {}", element.name, row),
                          fmt::format("the end of the file at byte {}", at), fmt::format("{} rows", element.count),
                          "the file is cut off or its count is wrong"});
   }
-  return bytes_.substr(start, at - start);
+  return bytes.substr(start, at - start);
 }
 
 double PlyFile::text_value(const std::string& token, PlyType type, const PlyElement& element,
@@ -307,7 +364,7 @@ uint64_t PlyFile::text_list_length(size_t& at, const PlyElement& element, const 
   const std::string token = next_token(at, element, row);
   uint64_t length = 0;
   const auto parsed = std::from_chars(token.data(), token.data() + token.size(), length);
-  if (parsed.ec != std::errc() || parsed.ptr != token.data() + token.size() || length > bytes_.size() - at) {
+  if (parsed.ec != std::errc() || parsed.ptr != token.data() + token.size() || length > text().size() - at) {
     throw invalid_input({path_, fmt::format("element {} row {} property {}", element.name, row, property.name),
                          quoted(token), "a list length that the file has room for"});
   }
@@ -315,7 +372,7 @@ uint64_t PlyFile::text_list_length(size_t& at, const PlyElement& element, const 
 }
 
 double PlyFile::binary_value(size_t at, PlyType type) const {
-  const char* p = bytes_.data() + at;
+  const char* p = bytes_->view(at, ply_type_size(type));
   const bool swap = format_ == PlyFormat::binary_big_endian;
   switch (type) {
     case PlyType::int8:
@@ -349,6 +406,7 @@ void PlyFile::read_rows(const PlyElement& element, const std::vector<int>& wante
     }
     for (size_t row = 0; row < element.count; ++row) {
       const size_t begin = element.begin + row * element.row_size;
+      bytes_->view(begin, element.row_size);  // at once: a row may lie across what is held
       for (size_t k = 0; k < wanted.size(); ++k) {
         values[k] = binary_value(begin + offsets[wanted[k]], element.properties[wanted[k]].type);
       }

@@ -86,6 +86,7 @@ Gaussians deformed_gaussians(const Gaussians& rest, const Deformation& deformati
   }
   Gaussians out;
   out.resize(kept.size(), rest.sh_degree);
+  out.antialiased = rest.antialiased;
   const int count = sh_coefficient_count(rest.sh_degree);
 #pragma omp parallel for schedule(static)
   for (size_t k = 0; k < kept.size(); ++k) {

@@ -50,10 +50,13 @@ Projection project_gaussian(const Gaussians& g, size_t i, const RestShape& rest,
   const double raw_xx = t0.squaredNorm(), raw_yy = t1.squaredNorm();
   const double xx = raw_xx + kLowPass, yy = raw_yy + kLowPass, xy = t0.dot(t1);
   // det(T T^T + k I) by Cauchy-Binet: a sum of positive terms, where xx yy - xy^2 would cancel for needles.
-  const double det = t0.cross(t1).squaredNorm() + kLowPass * (raw_xx + raw_yy) + kLowPass * kLowPass;
+  const double raw_det = t0.cross(t1).squaredNorm();
+  const double det = raw_det + kLowPass * (raw_xx + raw_yy) + kLowPass * kLowPass;
   if (!std::isfinite(det)) return Projection::not_finite;
 
-  const double q_max = 2 * std::log(255.0 * rest.opacity);
+  const float opacity = g.antialiased ? static_cast<float>(rest.opacity * std::sqrt(raw_det / det)) : rest.opacity;
+  if (!(opacity >= kMinAlpha)) return Projection::hidden;
+  const double q_max = 2 * std::log(255.0 * opacity);
   const double reach = std::sqrt(std::max(q_max, 0.0));
   const Eigen::Vector2d center = camera.project(t);
   const double reach_x = reach * std::sqrt(xx), reach_y = reach * std::sqrt(yy);
@@ -69,7 +72,7 @@ Projection project_gaussian(const Gaussians& g, size_t i, const RestShape& rest,
   splat->a = static_cast<float>(std::max(std::sqrt(yy / det), kTiny));
   splat->b = static_cast<float>(-xy / std::sqrt(det) / std::sqrt(yy));
   splat->c = static_cast<float>(std::max(1 / std::sqrt(yy), kTiny));
-  splat->log2_opacity = static_cast<float>(std::log2(rest.opacity));
+  splat->log2_opacity = static_cast<float>(std::log2(opacity));
   // A pixel exactly at the threshold must not be lost to rounding here: the rasteriser tests every pixel's alpha.
   splat->reach = static_cast<float>(reach) + 1e-3f;
   splat->half_x = static_cast<float>(splat->reach * std::sqrt(xx));

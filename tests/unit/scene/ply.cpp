@@ -207,6 +207,7 @@ TEST_CASE("ply: hostile headers end with a line that says what is wrong") {
   check_error("ply\nformat ascii 1.0\nelement e 1\nproperty list float int i\nend_header\n", {"integer type"});
   check_error("ply\nformat ascii 1.0\nend_header\n", {"no element vertex"});
   for (size_t missing = 0; missing < kColumns.size(); ++missing) {
+    if (kColumns[missing] == "scale_2") continue;  // 2D Gaussians have two
     std::vector<std::string> columns = kColumns;
     columns.erase(columns.begin() + missing);
     check_error(header(little, "1", columns) + body().substr(4),
@@ -214,26 +215,25 @@ TEST_CASE("ply: hostile headers end with a line that says what is wrong") {
   }
   std::vector<std::string> columns = kColumns;
   columns.push_back("f_rest_0");
-  check_error(header(little, "1", columns) + body() + "0000", {"1 f_rest_* properties", "0, 9, 24 or 45"});
+  check_error(header(little, "1", columns) + body() + "0000", {"1 f_rest_* properties", "0, 9, 24, 45 or 72"});
 }
 
 TEST_CASE("ply: hostile bodies end with a line that says what is wrong") {
   const std::string little = "binary_little_endian";
   check_error(header(little, "2") + body(), {"element vertex", "2 rows of 56 bytes", "cut off"});
   check_error(header(little, "1") + body().substr(1), {"55 bytes", "1 rows of 56 bytes"});
-  check_error(header(little, "1") + body() + "x", {"1 more bytes"});
   check_error(header(little, "1") + "0.5 1 0 0 0 3 2 1 -1 -2 -3 0.25 0.5 0.75\n", {"found text", "ascii"});
   check_error(header("ascii", "1") + body(), {"element vertex"});
   check_error(header("ascii", "1") + "0.5 1 0 0 0 3 2 1 -1 -2 -3 0.25 0.5",
               {"element vertex row 0", "end of the file"});
-  check_error(header("ascii", "1") + "0.5 1 0 0 0 3 2 1 -1 -2 -3 0.25 0.5 1 7", {"\"7\"", "end of the file"});
   check_error(header("ascii", "1") + "0.5 1 0 0 0 3 2 1 -1 -2 -3 0.25 0.5 1x", {"f_dc_2", "\"1x\"", "a number"});
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   for (size_t k = 0; k < kValues.size(); ++k) {
     for (float bad : {nan, infinity, -infinity}) {
       std::vector<float> values = kValues;
       values.insert(values.end(), kValues.begin(), kValues.end());
-      if (kColumns[k] == "opacity" && std::isinf(bad)) continue;  // 0 or 1
+      if (kColumns[k] == "opacity" && std::isinf(bad)) continue;              // 0 or 1
+      if (kColumns[k].rfind("scale_", 0) == 0 && bad == -infinity) continue;  // flat
       values[kValues.size() + k] = bad;
       check_error(header(little, "2") + body(values), {"row 1 property " + kColumns[k], "finite"});
     }
@@ -355,7 +355,7 @@ TEST_CASE("ply: hostile compressed files") {
   };
   check_error(replaced("min_scale_y", "min_scale_q"), {"element chunk", "min_scale_y"});
   check_error(replaced("property uint packed_scale", "property int packed_scale"), {"packed_scale", "uint"});
-  check_error(replaced("element sh 1", "element sh 0"), {"more bytes"});
+  check_error(replaced("element sh 1", "element sh 0"), {"element sh", "0 rows"});
   check_error(replaced("property uchar f_rest_8", "property uchar other"), {"element sh", "f_rest_8"});
   check_error(good.substr(0, good.size() - 1), {"element sh", "cut off"});
 }

@@ -58,9 +58,9 @@ std::vector<Writer> writers() {
        0},
       // With properties that nobody else knows.
       {"extra", "obj_info num_cols 4\n",
-       list(
-           {"x", "y", "z", "red", "green", "blue", "f_dc_0", "f_dc_1", "f_dc_2"}, 0,
-           {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "filter_3D", "semantic_0"}),
+       list({"x", "y", "z", "red", "green", "blue", "f_dc_0", "f_dc_1", "f_dc_2"}, 0,
+            {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "confidence",
+             "semantic_0"}),
        0},
   };
 }

@@ -294,3 +294,23 @@ TEST_CASE("splat: equal depths blend in file order") {
   Renderer swapped(g);
   CHECK(swapped.render(front_camera(9, 9)).rgb[3 * (4 * 9 + 4)] < 0.12f);
 }
+
+TEST_CASE("splat: opacities of an anti-aliased scene shrink with what the low-pass filter adds to a splat's area") {
+  Gaussians g;
+  g.resize(1, 0);
+  g.log_scale[0].setConstant(std::log(0.004f));
+  g.opacity_logit[0] = 2;
+  g.position[0] = {0, 0, 2};
+  Camera camera;
+  camera.width = camera.height = 33;
+  camera.fx = camera.fy = 200;
+  camera.cx = camera.cy = 16.5;
+  RenderOptions options;
+  options.near = 0.1;
+  const float plain = Renderer(g).render(camera, {}, options).alpha[16 * 33 + 16];
+  g.antialiased = true;
+  const float compensated = Renderer(g).render(camera, {}, options).alpha[16 * 33 + 16];
+  const double variance = std::pow(0.004 * 200 / 2, 2);
+  CHECK(plain == doctest::Approx(g.opacity(0)));
+  CHECK(compensated == doctest::Approx(g.opacity(0) * variance / (variance + 0.3)).epsilon(1e-5));
+}
