@@ -95,7 +95,7 @@ $(STAMPS)/bundle: $(foreach v,GAUSSIANS SPEC INVENTORY PHYSGAUSSIAN CAMERAS DATA
 	  $(call option,--up=,UP) $(call option,--front=,FRONT) $(call option,--inventory=,INVENTORY) $(call option,--masks=,MASKS) \
 	  $(call option,--views=,VIEWS) $(call option,--cameras=,CAMERAS) $(call option,--dataparser-transforms=,DATAPARSER) \
 	  $(call option,--run=,SPEC) $(call option,--physgaussian=,PHYSGAUSSIAN) $(call option,--opacity-threshold=,OPACITY) \
-	  $(if $(CROP),--crop $$PM_ASKED_CROP) $(call option,--drop=,DROP) $(call option,--azimuth=,AZIMUTH) \
+	  $(if $(CROP),--crop $$PM_ASKED_CROP) $(READ:%=--read %) $(call option,--drop=,DROP) $(call option,--azimuth=,AZIMUTH) \
 	  $(call option,--elevation=,ELEVATION) --threads $(threads) -- "$$PM_ASKED_GAUSSIANS"
 	$(call finish,$(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.* $(BUNDLE)/*/*/*/*.*)
 endif

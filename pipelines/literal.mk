@@ -16,18 +16,18 @@ LITERAL := $(dir $(lastword $(MAKEFILE_LIST)))
 # Where a scene comes from: one of these.
 SOURCE_VARIABLES := EXAMPLE GAUSSIANS SCENE
 # How a file of Gaussians is imported: examples and bundles have what these say.
-IMPORT_VARIABLES := UP FRONT INVENTORY MASKS VIEWS CAMERAS DATAPARSER PHYSGAUSSIAN OPACITY CROP DROP AZIMUTH ELEVATION
+IMPORT_VARIABLES := UP FRONT INVENTORY MASKS VIEWS CAMERAS DATAPARSER PHYSGAUSSIAN OPACITY CROP READ DROP AZIMUTH ELEVATION
 # How model servers are asked.
 SERVER_VARIABLES := TIMEOUT BUDGET RETRIES HEADERS BODY TENSORS
 # What is done with any scene.
 SCENE_VARIABLES := PROMPT MATERIAL SPEC SET CAMERA DEFAULTS SCENE_AGENT PERCEPTION AGENT MODEL PREDICTOR AUTHORED BASE $(SERVER_VARIABLES) ERROR
 
-TEXT_VARIABLES := $(filter-out EXAMPLE BASE ERROR,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) SCENES DESTDIR PREFIX MAINTAINER
+TEXT_VARIABLES := $(filter-out EXAMPLE BASE ERROR READ,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) SCENES DESTDIR PREFIX MAINTAINER
 # One word each.
 WORD_VARIABLES := EXAMPLE BASE ERROR RUN BATCH EVALUATE SUITE BIN BUILD THREADS RESOURCES ARRAY PATIENCE EVERY V SAN TOGETHER PRECOMPILE ARCH MARCH WERROR SECONDS \
   PICTURES GUITAR STABILITY ACCURACY DOCS HARDENING KILLS MUTATIONS INJECTIONS SERVERS
 # Several names.
-NAMES_VARIABLES := CASES FUZZ RETRY
+NAMES_VARIABLES := CASES FUZZ READ RETRY
 # Those that name a folder which make itself works in.
 WORKING_FOLDERS := RUN BATCH EVALUATE BASE
 
@@ -96,7 +96,7 @@ about_word = $(if $(and $(filter 1,$(words $(2))),$(if $(filter -%,$(2)),,y)),,e
 about_names = $(if $(strip $(foreach w,$(2),$(if $(call is_plain,$(w)),,$(w)))),expected names)
 about_number = $(if $(call without_digits,0 1 2 3 4 5 6 7 8 9,$(2)),expected a number)
 about_seconds = $(if $(call without_digits,0 1 2 3 4 5 6 7 8 9 .,$(2)),expected a number of seconds)
-about_numbers = $(if $(filter-out $(foreach d,0 1 2 3 4 5 6 7 8 9 .,-$(d)%),$(filter -%,$(2))),expected six numbers)
+about_numbers = $(if $(filter-out $(foreach d,0 1 2 3 4 5 6 7 8 9 .,-$(d)%),$(filter -%,$(2))),expected six numbers or auto)
 without_digits = $(if $(1),$(call without_digits,$(wordlist 2,11,$(1)),$(subst $(firstword $(1)),,$(2))),$(2))
 , := ,
 

@@ -13,6 +13,9 @@ ifneq ($(filter demo,$(MAKECMDGOALS)),)
   endif
 endif
 ifeq ($(filter GAUSSIANS,$(sources)),)
+  ifeq ($(sources)$(call given,VIEWS CAMERAS),VIEWS)
+    $(call refuse,Photographs are no scene yet: train a splat from them$(,) for example with nerfstudio (splatfacto)$(,) gsplat$(,) Brush or Postshot$(,) and give its .ply as GAUSSIANS=)
+  endif
   ifneq ($(call given,$(IMPORT_VARIABLES)),)
     $(call refuse,$(firstword $(call given,$(IMPORT_VARIABLES))) goes with GAUSSIANS=file: $(if $(filter EXAMPLE,$(sources)),an example,a bundle) has its own; PROMPT$(,) SPEC and SET change a run of it)
   endif
