@@ -33,9 +33,12 @@ int main(int argc, char** argv) {
   splat::BestVideoOptions best_video;
   splat::FitCamerasOptions fitting;
   Command compare, best, fit_command;
-  const auto is_mp4 = [](const std::string& path) {
-    return fs::path(path).extension() == ".mp4" ? std::string() : "expected a name that ends in .mp4";
+  const auto ends_in = [](const std::string& ending) {
+    return [ending](const std::string& path) {
+      return fs::path(path).extension() == ending ? std::string() : "expected a name that ends in " + ending;
+    };
   };
+  const auto is_mp4 = ends_in(".mp4");
   ToolMain tool;
   tool.name = "pm-render";
   tool.description = "Render a rollout's frames into an H.264 video and a render record.";
@@ -67,7 +70,19 @@ int main(int argc, char** argv) {
     also("--sheet", options.sheet, "A contact sheet of up to eight frames, .png");
     also("--png", options.png, "Each frame as DIR/frame_0000.png");
     also("--depth", options.depth, "Each frame's depth as DIR/depth_0000.png, 16 bits");
-    also("--ply", options.ply, "Each frame's Gaussians as a 3DGS file DIR/frame_0000.ply");
+    splat::ExportOptions& exports = options.exports;
+    also("--ply", exports.ply, "Each frame's Gaussians as a 3DGS file DIR/frame_0000.ply");
+    also("--compressed-ply", exports.compressed_ply, "The same quantised, DIR/frame_0000.compressed.ply (SuperSplat)");
+    also("--spz", exports.spz, "The same quantised, DIR/frame_0000.spz (version 4)");
+    also("--usd", exports.usd, "All frames as ParticleField3DGaussianSplat of OpenUSD 26.03, .usdc")
+        .check(ends_in(".usdc"));
+    also("--npz", exports.npz, "All frames as arrays for numpy, .npz").check(ends_in(".npz"));
+    Option glb =
+        also("--glb", exports.glb, "One frame as glTF with KHR_gaussian_splatting, .glb").check(ends_in(".glb"));
+    app.add_option("--frame", exports.glb_frame, "That frame; the last one when absent")
+        .between(0, 999999)
+        .needs(glb)
+        .group("Also write");
     Option labels = also("--labels", options.labels, "A video with the rows in colours, .mp4").check(is_mp4);
     labels.needs(also("--inventory", options.inventory, "inventory.json with the rows, for --labels"));
 

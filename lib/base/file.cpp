@@ -182,6 +182,14 @@ void FileWriter::write(const void* bytes, size_t count) {
   }
 }
 
+void FileWriter::skip(uint64_t count) {
+  flush();
+  written_ += count;
+  if (::ftruncate(descriptor_, static_cast<off_t>(written_)) != 0 ||
+      ::lseek(descriptor_, static_cast<off_t>(written_), SEEK_SET) < 0)
+    throw system_error(path_, "cannot be written", errno);
+}
+
 void FileWriter::overwrite(uint64_t at, const void* bytes, size_t count) {
   flush();
   for (size_t done = 0; done < count;) {

@@ -50,6 +50,8 @@ class FileWriter {
   void write(const void* bytes, size_t count);
   void write(const std::string& bytes) { write(bytes.data(), bytes.size()); }
   uint64_t written() const { return written_; }
+  // So many zeros.
+  void skip(uint64_t count);
   // Replaces bytes that were written before; at + count <= written().
   void overwrite(uint64_t at, const void* bytes, size_t count);
   // Returns whether the file changed.

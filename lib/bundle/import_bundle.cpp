@@ -20,7 +20,6 @@
 #include "bundle/dense_component.h"
 #include "bundle/physgaussian.h"
 #include "bundle/scene_doubts.h"
-#include "bundle/turned_gaussians.h"
 #include "bundle/user_views.h"
 #include "bundle/view_rig.h"
 #include "bundle/views.h"
@@ -33,6 +32,7 @@
 #include "scene/image_file.h"
 #include "scene/neighbors.h"
 #include "scene/placement.h"
+#include "splat/turned_gaussians.h"
 
 namespace fs = std::filesystem;
 
@@ -367,7 +367,7 @@ void write_import_bundle(const ImportOptions& given) {
   std::string warning = floater_warning(find_floaters(gaussians), notes.offset);
   if (warning.empty()) warning = surroundings_warning(gaussians, dense_component(gaussians), notes.offset);
   const bool turned = configuration.turn != Eigen::Matrix3d::Identity();
-  if (turned) turn_gaussians(gaussians, configuration.turn);
+  if (turned) splat::turn_gaussians(gaussians, configuration.turn);
   Scene scene;
   scene.name = options.name.empty() ? name_from(options.gaussians) : options.name;
   scene.prompt = options.prompt;

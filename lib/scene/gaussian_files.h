@@ -57,6 +57,17 @@ Gaussians load_labelled_gaussians(const std::string& path, const State& state, c
 // returns whether the file changed.
 bool save_gaussians_ply(const std::string& path, const Gaussians& gaussians);
 
+// The same in fewer bytes, each atomic, the values quantised as the format has it; returns whether the file changed.
+// SuperSplat's compressed PLY: 16 bytes per Gaussian, and one for each coefficient of the higher harmonics; the
+// Gaussians come in the order of a curve through space, so that those of a chunk lie together.
+bool save_compressed_ply(const std::string& path, const Gaussians& gaussians);
+// `.spz` of version 4. The scene must be turned so that y points up, as the format has it.
+bool save_gaussians_spz(const std::string& path, const Gaussians& gaussians);
+
+// One binary glTF file with KHR_gaussian_splatting: float32 throughout. The scene must be turned so that y points up.
+// Atomic; returns whether the file changed.
+bool save_gaussians_glb(const std::string& path, const Gaussians& gaussians);
+
 }  // namespace physmas
 
 #endif

@@ -2,6 +2,9 @@
 #ifndef PHYSMAS_SPLAT_DEFORMED_GAUSSIANS_H
 #define PHYSMAS_SPLAT_DEFORMED_GAUSSIANS_H
 
+#include <cstdint>
+#include <vector>
+
 #include "splat/renderer.h"
 
 namespace physmas::splat {
@@ -12,6 +15,28 @@ namespace physmas::splat {
 // axes that stay in the order of the rest axes as far as the deformation lets them. Scales below 1e-30 scene units are
 // written as that. A Gaussian whose position or F is not finite is left out, as the renderer does.
 Gaussians deformed_gaussians(const Gaussians& rest, const Deformation& deformation);
+
+// The frames of a motion, one after the other, for players that interpolate between them: as deformed_gaussians, but
+// every Gaussian keeps its place in the arrays, and its axes are numbered and its quaternion has the sign that are
+// nearest to those of the frame before.
+class DeformedSequence {
+ public:
+  // rest: must outlive the sequence and not change.
+  explicit DeformedSequence(const Gaussians& rest);
+  // The next frame. A Gaussian whose position or F is not finite stays as it was in the frame before, and is not
+  // `drawn` any more.
+  void advance(const Deformation& deformation);
+  const Gaussians& gaussians() const { return frame_; }
+  // Those of the frame that are finite, in their order.
+  Gaussians drawn() const;
+  size_t hidden() const { return hidden_; }
+
+ private:
+  const Gaussians& rest_;
+  Gaussians frame_;
+  std::vector<uint8_t> drawn_;  // [N]
+  size_t hidden_ = 0;
+};
 
 }  // namespace physmas::splat
 

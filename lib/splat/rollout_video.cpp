@@ -16,9 +16,9 @@
 #include "scene/gaussian_files.h"
 #include "scene/image_file.h"
 #include "splat/contact_sheet.h"
-#include "splat/deformed_gaussians.h"
 #include "splat/depth_picture.h"
 #include "splat/foreground.h"
+#include "splat/frame_exports.h"
 #include "splat/frame_files.h"
 #include "splat/own_frame.h"
 #include "splat/quantize.h"
@@ -106,8 +106,8 @@ void render_rollout(const RolloutVideoOptions& options) {
     if (!options.depth.empty()) record.depth_unit = depth_unit(shown.cameras, state.map);
   }
   render_options.depth = record.depth_unit > 0;
-  const FrameFiles png = {options.png, "frame", "png"}, depth = {options.depth, "depth", "png"},
-                   ply = {options.ply, "frame", "ply"};
+  const FrameFiles png = {options.png, "frame", "png"}, depth = {options.depth, "depth", "png"};
+  FrameExports exports(options.exports, gaussians, state, scene, wanted, rollout);
   ContactSheet sheet(wanted.size());
   Progress progress("frame", static_cast<long>(wanted.size()));
   double render_seconds = 0, decorate_seconds = 0, encode_seconds = 0, export_seconds = 0;
@@ -140,7 +140,7 @@ void render_rollout(const RolloutVideoOptions& options) {
     if (row_video) row_video->add(camera, transported.deformation());
     if (png.wanted()) save_png(png.path(t), picture);
     if (depth.wanted()) save_depth_png(depth.path(t), image, record.depth_unit);
-    if (ply.wanted()) save_gaussians_ply(ply.path(t), deformed_gaussians(gaussians, transported.deformation()));
+    exports.add(t, rollout.time(t), transported.deformation());
     export_seconds += export_watch.seconds();
     progress.update(static_cast<long>(i) + 1);
   }
@@ -152,9 +152,12 @@ void render_rollout(const RolloutVideoOptions& options) {
   record.own_frame = measure_own_frame(renderer, gaussians, rollout, scene, state, render_options, record);
   render_seconds += endpoint_watch.seconds();
   // Pictures of an earlier run would belong to another rollout.
-  for (const FrameFiles& files : {png, depth, ply}) {
+  for (const FrameFiles& files : {png, depth}) {
     if (files.wanted()) remove_other_frames(files, wanted);
   }
+  const Stopwatch finish_watch;
+  exports.finish();
+  export_seconds += finish_watch.seconds();
   if (video) {
     video->finish();
     if (row_video) row_video->finish();

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "splat/frame_exports.h"
+
 namespace physmas::splat {
 
 struct RolloutVideoOptions {
@@ -12,7 +14,8 @@ struct RolloutVideoOptions {
   std::string cameras;                // of fit_cameras; may be empty (video_cameras.h)
   std::string floor, candidate;       // video_pictures.h
   std::string frames;                 // only these, "0,10,20-24"; empty: all
-  std::string png, depth, ply;        // folders for a file per frame, or empty
+  std::string png, depth;             // folders for a file per frame, or empty
+  ExportOptions exports;              // Gaussians for other programs
   std::string sheet;                  // contact sheet .png, or empty
   std::string labels, inventory;      // video of the rows in colours, and the inventory that names them; or empty
 };

@@ -8,10 +8,10 @@
 #include <limits>
 #include <random>
 
-#include "bundle/turned_gaussians.h"
 #include "splat/polar.h"
 #include "splat/sh.h"
 #include "splat/sh_rotation.h"
+#include "splat/turned_gaussians.h"
 #include "unit/splat/checks.h"
 #include "unit/splat/scenes.h"
 
@@ -173,7 +173,7 @@ TEST_CASE("splat: a scene that is turned with its camera looks the same") {
   const Gaussians rest = random_scene(400, 3, 11);
   Gaussians turned = rest;
   const Eigen::Matrix3d R = random_rotation(random);
-  bundle::turn_gaussians(turned, R);
+  turn_gaussians(turned, R);
   for (size_t i = 0; i < rest.size(); ++i) {
     const Eigen::Matrix3d expected = R * covariance_of(rest, i) * R.transpose();
     CHECK((covariance_of(turned, i) - expected).norm() < 1e-6 * expected.norm());
@@ -190,4 +190,62 @@ TEST_CASE("splat: a scene that is turned with its camera looks the same") {
   size_t off = 0;
   for (size_t k = 0; k < before.rgb.size(); ++k) off += std::abs(before.rgb[k] - after.rgb[k]) > 1.0f / 255;
   CHECK(off < before.rgb.size() / 500);
+}
+
+TEST_CASE("splat: in a sequence quaternions and axes go on from frame to frame") {
+  // Two whole turns while the shortest axis becomes the longest one.
+  const Gaussians rest = random_scene(200, 1, 19);
+  DeformedSequence sequence(rest);
+  Gaussians before = rest;
+  const int frames = 60;
+  std::vector<RowMatrix3f> F(rest.size());
+  Deformation deformation;
+  deformation.F = F.data();
+  size_t flipped = 0;  // what deformed_gaussians alone would do
+  Gaussians alone_before = rest;
+  for (int t = 1; t <= frames; ++t) {
+    const double s = static_cast<double>(t) / frames;
+    const Eigen::Matrix3d R =
+        Eigen::AngleAxisd(4 * EIGEN_PI * s, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    const Eigen::Matrix3d U = Eigen::Vector3d(1 + 4 * s, 1 - 0.5 * s, 1).asDiagonal();
+    for (auto& f : F) f = (R * U).cast<float>();
+    sequence.advance(deformation);
+    const Gaussians& now = sequence.gaussians();
+    const Gaussians alone = deformed_gaussians(rest, deformation);
+    for (size_t i = 0; i < rest.size(); ++i) {
+      const auto cosine = [i](const Gaussians& a, const Gaussians& b) {
+        const Eigen::Vector4d p(a.rotation[i][0], a.rotation[i][1], a.rotation[i][2], a.rotation[i][3]);
+        const Eigen::Vector4d q(b.rotation[i][0], b.rotation[i][1], b.rotation[i][2], b.rotation[i][3]);
+        return p.normalized().dot(q.normalized());
+      };
+      flipped += cosine(alone_before, alone) < 0.8;
+      // 12 degrees of turn a frame and what the axes turn within the Gaussian; never half a turn of a quaternion, and
+      // never more than the 62.8 degrees that lie between numberings of axes.
+      CHECK(cosine(before, now) > 0.84);
+      const Eigen::Matrix3d expected = F[i].cast<double>() * covariance_of(rest, i) * F[i].cast<double>().transpose();
+      CHECK((covariance_of(now, i) - expected).norm() <= 3e-6 * expected.norm());
+    }
+    before = now;
+    alone_before = alone;
+  }
+  CHECK(flipped > 0);
+}
+
+TEST_CASE("splat: in a sequence Gaussians that are not finite stay where they were and are not drawn") {
+  const Gaussians rest = random_scene(10, 0, 20);
+  DeformedSequence sequence(rest);
+  std::vector<Eigen::Vector3f> position = rest.position;
+  Deformation deformation;
+  deformation.position = position.data();
+  for (auto& p : position) p += Eigen::Vector3f(1, 0, 0);
+  sequence.advance(deformation);
+  CHECK(sequence.gaussians().position == position);
+  const Eigen::Vector3f last = position[4];
+  position[4].x() = std::numeric_limits<float>::quiet_NaN();
+  position[5] *= 2;
+  sequence.advance(deformation);
+  CHECK(sequence.hidden() == 1);
+  CHECK(sequence.gaussians().position[4] == last);
+  CHECK(sequence.drawn().size() == 9);
+  CHECK(sequence.drawn().position[4] == position[5]);
 }
