@@ -55,7 +55,7 @@ TOOL_SOURCES := $(wildcard tools/*.cpp)
 UNIT_SOURCES := $(wildcard $(addprefix tests/unit/,*.cpp */*.cpp */*/*.cpp))
 TEST_TOOL_SOURCES := $(wildcard tests/tools/*.cpp)
 BENCH_SOURCES := $(wildcard tests/bench/*.cpp)
-EMBEDDED_TEXTS := $(sort $(wildcard schemas/*.json lib/*/prompts/*.txt lib/*/words/*.txt lib/*/pages/*.html))
+EMBEDDED_TEXTS := $(sort $(wildcard schemas/*.json lib/*/prompts/*.txt lib/*/words/*.txt $(addprefix lib/*/pages/*.,html css js)))
 TOOLS := $(TOOL_SOURCES:tools/%.cpp=%)
 TEST_TOOLS := $(TEST_TOOL_SOURCES:tests/tools/%.cpp=$(BUILD)/test/%)
 BIN := $(BUILD)/bin
@@ -93,7 +93,7 @@ all: $(TOOLS:%=$(BIN)/%) ## Build the tools into build/bin (make -j2)
 
 # The rooms whose loops take a run's time are compiled for speed. Everything else is compiled quickly, and without
 # contraction to fused multiply-adds, so that no decision depends on the processor.
-FAST_ROOMS := bind bundle lift masks metrics mpm plan scene splat studies
+FAST_ROOMS := bind bundle lift masks metrics mpm plan report scene splat studies
 way = $(if $(filter $(FAST_ROOMS:%=lib/%/%) tests/bench/%,$(1)),fast,plain)
 fast_FLAGS := $(OPT)
 plain_FLAGS := $(PLAIN_OPT) -ffp-contract=off

@@ -5,6 +5,7 @@
 
 #include "base/command_line.h"
 #include "base/log.h"
+#include "report/viewer.h"
 #include "splat/best_video.h"
 #include "splat/comparison.h"
 #include "splat/rollout_video.h"
@@ -32,6 +33,7 @@ int main(int argc, char** argv) {
   splat::ComparisonOptions comparison;
   splat::BestVideoOptions best_video;
   splat::FitCamerasOptions fitting;
+  std::string html;
   Command compare, best, fit_command;
   const auto ends_in = [](const std::string& ending) {
     return [ending](const std::string& path) {
@@ -83,6 +85,7 @@ int main(int argc, char** argv) {
         .between(0, 999999)
         .needs(glb)
         .group("Also write");
+    also("--html", html, "A page that plays the result in 3D in a browser, .html; one file").check(ends_in(".html"));
     Option labels = also("--labels", options.labels, "A video with the rows in colours, .mp4").check(is_mp4);
     labels.needs(also("--inventory", options.inventory, "inventory.json with the rows, for --labels"));
 
@@ -134,6 +137,9 @@ int main(int argc, char** argv) {
     }
     require_given(options);
     splat::render_rollout(options);
+    if (!html.empty())
+      report::write_viewer_page(
+          {options.scene, options.state, options.rollout, options.cameras, options.candidate, options.inventory, html});
     return static_cast<int>(ExitCode::done);
   };
   return run_tool(argc, argv, tool);

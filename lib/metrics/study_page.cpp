@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "base/log.h"
 #include "records/json.h"
+#include "records/script_json.h"
 #include "splat/video.h"
 
 namespace physmas::metrics {
@@ -17,13 +18,6 @@ namespace {
 
 constexpr size_t kCodeLength = 12;
 constexpr size_t kMaxCards = 9;  // one key each
-
-// JSON inside a script element: "</script>" and "<!--" would end it.
-std::string script_json(const Json& json) {
-  std::string text;
-  for (const char c : json.dump()) text += c == '<' ? "\\u003c" : std::string(1, c);
-  return text;
-}
 
 }  // namespace
 

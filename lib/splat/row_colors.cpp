@@ -1,7 +1,6 @@
 #include "splat/row_colors.h"
 
 #include <algorithm>
-#include <array>
 
 namespace physmas::splat {
 namespace {
@@ -22,6 +21,10 @@ constexpr float kOwnLight = 0.35f;  // share of the scene's own lightness
 
 }  // namespace
 
+std::array<float, 3> row_color(int32_t row, bool residual) {
+  return residual ? kResidual : kPalette[static_cast<size_t>(row) % kPalette.size()];
+}
+
 Gaussians painted_by_row(const Gaussians& gaussians, const std::vector<int32_t>& row,
                          const std::vector<bool>& residual) {
   Gaussians painted;
@@ -31,7 +34,7 @@ Gaussians painted_by_row(const Gaussians& gaussians, const std::vector<int32_t>&
   painted.opacity_logit = gaussians.opacity_logit;
   painted.sh.resize(gaussians.size());
   for (size_t i = 0; i < gaussians.size(); ++i) {
-    const std::array<float, 3>& color = residual[row[i]] ? kResidual : kPalette[row[i] % kPalette.size()];
+    const std::array<float, 3> color = row_color(row[i], residual[row[i]]);
     const Eigen::Vector3f own = (kShC0 * gaussians.sh_of(i)[0]).array() + 0.5f;
     const float light = (1 - kOwnLight) + 2 * kOwnLight * std::min(1.0f, std::max(0.0f, own.mean()));
     for (int c = 0; c < 3; ++c) painted.sh[i][c] = (color[c] * light - 0.5f) / kShC0;

@@ -25,7 +25,7 @@ class Browser:
             os.dup2(high[0], 3)
             os.dup2(high[1], 4)
 
-        flags = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run",
+        flags = ["--headless", "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--no-first-run",
                  "--disable-extensions", "--disable-background-networking", "--disable-component-update",
                  "--hide-scrollbars", "--force-device-scale-factor=1", "--remote-debugging-pipe",
                  "--user-data-dir=" + profile, "about:blank"]
@@ -36,7 +36,7 @@ class Browser:
         self.buffer, self.last, self.session, self.events = b"", 0, None, []
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Network"):
+        for domain in ("Page", "Runtime", "Network", "Log"):
             self.call(domain + ".enable")
 
     def close(self):
@@ -91,8 +91,9 @@ class Browser:
                 raise TimeoutError("never true: " + expression)
             time.sleep(0.05)
 
-    def open(self, url, width, height, touch=False):
+    def open(self, url, width, height, touch=False, dark=False):
         """Loads a page into a window of that many CSS pixels."""
+        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}])
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=touch)
         self.call("Emulation.setTouchEmulationEnabled", enabled=touch)
         self.call("Page.navigate", url="about:blank")
@@ -118,6 +119,14 @@ class Browser:
         for kind in ("mousePressed", "mouseReleased"):
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
+    def drag(self, selector, dx, dy):
+        """Presses in the middle of an element, moves in a few steps, and lets go."""
+        x, y = self.middle(selector)
+        self.call("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", buttons=1, clickCount=1)
+        for k in range(1, 6):
+            self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x + dx * k / 5, y=y + dy * k / 5, button="left", buttons=1)
+        self.call("Input.dispatchMouseEvent", type="mouseReleased", x=x + dx, y=y + dy, button="left", clickCount=1)
+
     def tap(self, selector):
         x, y = self.middle(selector)
         self.call("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
@@ -136,7 +145,8 @@ class Browser:
         """Uncaught exceptions and errors on the console."""
         self.evaluate("0")
         return [e["params"] for e in self.events if e["method"] == "Runtime.exceptionThrown" or
-                (e["method"] == "Runtime.consoleAPICalled" and e["params"]["type"] == "error")]
+                (e["method"] == "Runtime.consoleAPICalled" and e["params"]["type"] == "error") or
+                (e["method"] == "Log.entryAdded" and e["params"]["entry"]["level"] == "error")]
 
 
 def find_chromium():
