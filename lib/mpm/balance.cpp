@@ -13,7 +13,7 @@ Balance measure_balance(const StepperSetup& setup, const State& state) {
   const double wall_low = (setup.domain.wall_cells + 1.5) * dx;
   const double wall_high = setup.domain.length - wall_low;
   for (size_t i = 0; i < state.size(); ++i) {
-    const double m = setup.parameters[setup.row[i]].density * setup.volume[i];
+    const double m = setup.parameters_of(i).density * setup.volume[i];
     const Vec3d& x = state.x[i];
     const Vec3d& v = state.v[i];
     const Mat3d& C = state.C[i];

@@ -48,6 +48,11 @@ double size_of_deviator(const Symmetric<double>& a) {
 struct Elasticity {
   std::vector<MaterialParameters<double>> parameters;  // per row
   std::vector<Branch> branches;
+  const Particles* particles = nullptr;
+  MaterialParameters<double> of(int particle) const {
+    const MaterialParameters<double>& row = parameters[particles->row[particle]];
+    return particles->material.empty() ? row : with_elasticity(row, elasticity_of(particles->material[particle]));
+  }
 };
 
 // Particles that an action holds at the start.
@@ -181,7 +186,7 @@ bool Balancing::carry(Carrying& now) {
   team_.for_each((size + kRange - 1) / kRange, [&](int range) {
     for (int p = range * kRange; p < std::min(size, (range + 1) * kRange); ++p) {
       const int row = grid_.row(p);
-      const MaterialParameters<double>& m = rows_.parameters[row];
+      const MaterialParameters<double> m = rows_.of(grid_.particle(p));
       const Symmetric<double> wanted = statics::elastic_stress(strain[p], m.mu, m.lambda);
       const Carried carried = carry_stress(rows_.branches[row], m, wanted);
       now.tau[p] = carried.tau;
@@ -212,7 +217,7 @@ std::vector<Balancing::Part> Balancing::judge(const Carrying& now) const {
   std::vector<Part> parts(part_count_);
   for (size_t p = 0; p < grid_.size(); ++p) {
     Part& part = parts[part_of_[grid_.any_node(p)]];
-    const double m = rows_.parameters[grid_.row(p)].density * grid_.volume(p);
+    const double m = rows_.of(grid_.particle(p)).density * grid_.volume(p);
     const double squared = dot(felt[p], felt[p]) / (gravity * gravity);
     part.felt += m * squared;
     part.felt_bounded += m * std::min(1.0, squared);
@@ -303,6 +308,7 @@ Equilibrium find_equilibrium(const Problem& problem, const Device& device) {
   result.limited.assign(problem.materials.size(), 0);
   if (problem.particles.size() == 0 || !(norm(problem.domain.gravity) > 0)) return result;
   Elasticity rows;
+  rows.particles = &problem.particles;
   for (const Material& m : problem.materials) {
     rows.branches.push_back(m.branch);
     rows.parameters.push_back(derive_parameters(m, problem.constants));

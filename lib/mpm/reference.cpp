@@ -35,10 +35,6 @@ void for_each_node(const Grid& grid, double dx, const Vec3d& x, const Function& 
   }
 }
 
-const MaterialParameters<double>& parameters_of(const StepperSetup& setup, size_t particle) {
-  return setup.parameters[setup.row[particle]];
-}
-
 Branch branch_of(const StepperSetup& setup, size_t particle) {
   return setup.branches[setup.row[particle]];
 }
@@ -87,7 +83,7 @@ Grid p2g(const StepperSetup& setup, const State& state, double dt, int body) {
   const double dx = setup.domain.dx();
   for (size_t q = 0; q < state.size(); ++q) {
     if (setup.contact.of(setup.row[q]) != body) continue;
-    const MaterialParameters<double>& p = parameters_of(setup, q);
+    const MaterialParameters<double> p = setup.parameters_of(q);
     const double mass = p.density * setup.volume[q];
     const Mat3d tau = branch_stress(branch_of(setup, q), p, state.F[q]);
     for_each_node(grid, dx, state.x[q], [&](int a, double w, const Vec3d& offset) {
@@ -188,7 +184,7 @@ void return_map(const StepperSetup& setup, double dt, State& state) {
   for (size_t q = 0; q < state.size(); ++q) {
     const Branch branch = branch_of(setup, q);
     if (!has_return_map(branch)) continue;
-    update_hencky_by_svd(branch, parameters_of(setup, q), dt, state.F[q], state.strength[q]);
+    update_hencky_by_svd(branch, setup.parameters_of(q), dt, state.F[q], state.strength[q]);
   }
 }
 

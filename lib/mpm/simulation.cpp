@@ -19,6 +19,7 @@ StepperSetup make_setup(const Problem& problem, const Options& options, const Ac
     setup.branches.push_back(m.branch);
     setup.parameters.push_back(derive_parameters(m, problem.constants));
   }
+  for (const Material& m : problem.particles.material) setup.elasticity.push_back(elasticity_of(m));
   setup.row = problem.particles.row;
   setup.volume = problem.particles.volume;
   setup.control_group = actions.group_of();
@@ -67,7 +68,7 @@ double hopeless_step(const StepperSetup& setup) {
   for (size_t i = 0; i < setup.row.size(); ++i) {
     const int row = setup.row[i];
     if (setup.control_group[i] == 0 && !has_potential(setup.branches[row]))
-      limit = std::min(limit, 1.5 * rest_limit(setup.parameters[row], setup.domain.dx()));
+      limit = std::min(limit, 1.5 * rest_limit(setup.parameters_of(i), setup.domain.dx()));
   }
   return limit;
 }
@@ -295,9 +296,9 @@ void Simulation::find_culprits() {
       result_.fault_speed = speed;
       result_.fault_row = row;
     }
-    if (seen[row]) continue;
+    if (seen[row] && setup_.elasticity.empty()) continue;
     seen[row] = true;
-    const double limit = rest_limit(setup_.parameters[row], setup_.domain.dx());
+    const double limit = rest_limit(setup_.parameters_of(i), setup_.domain.dx());
     if (limit < result_.stiffest_limit) {
       result_.stiffest_limit = limit;
       result_.stiffest_row = row;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "mpm/material/material.h"
 #include "mpm/math/mat3.h"
 
 namespace physmas::mpm {
@@ -16,6 +17,9 @@ struct Particles {
   std::vector<int> row;                     // [N] index into the materials
   std::vector<Vec3d> velocity;              // [N] m/s, or empty: at rest
   std::vector<Mat3d> deformation_gradient;  // [N] elastic F at the start, any finite matrix; or empty: identity
+  // [N] each particle's own E, nu and rho, in the domain of Material, its branch ignored: the row's counts. Empty: all
+  // have their row's.
+  std::vector<Material> material;
 
   size_t size() const { return position.size(); }
 };

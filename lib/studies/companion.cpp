@@ -34,16 +34,25 @@ Companion make_companion(const mpm::Problem& problem, int factor) {
       coarse.volume.push_back(0);
       coarse.row.push_back(fine.row[i]);
       if (!fine.velocity.empty()) coarse.velocity.push_back({0, 0, 0});
+      if (!fine.material.empty()) coarse.material.push_back({fine.material[i].branch, 0, 0, 0});
     }
     const int q = at->second;
     companion.group.push_back(q);
     coarse.volume[q] += fine.volume[i];
     coarse.position[q] = coarse.position[q] + fine.volume[i] * fine.position[i];
     if (!fine.velocity.empty()) coarse.velocity[q] = coarse.velocity[q] + fine.volume[i] * fine.velocity[i];
+    if (!fine.material.empty()) {
+      coarse.material[q].E += fine.volume[i] * fine.material[i].E;
+      coarse.material[q].nu += fine.volume[i] * fine.material[i].nu;
+      coarse.material[q].rho += fine.volume[i] * fine.material[i].rho;
+    }
   }
   for (size_t q = 0; q < coarse.size(); ++q) {
     coarse.position[q] = (1 / coarse.volume[q]) * coarse.position[q];
     if (!coarse.velocity.empty()) coarse.velocity[q] = (1 / coarse.volume[q]) * coarse.velocity[q];
+    if (coarse.material.empty()) continue;
+    for (double* number : {&coarse.material[q].E, &coarse.material[q].nu, &coarse.material[q].rho})
+      *number /= coarse.volume[q];
   }
   return companion;
 }

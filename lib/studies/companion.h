@@ -17,7 +17,7 @@ struct Companion {
 };
 
 // factor: 2 or more. Particles of one row in a cube of `factor` times their mean spacing (the cube root of the mean
-// volume) become one: with the sum of their volumes, at their centre of mass, with their mean velocity. Mass and
+// volume) become one: with the sum of their volumes, at their centre, with their mean velocity and material. Mass and
 // momentum of every row are kept. A deformation at the start is not: it belongs to the grid that it was found on.
 Companion make_companion(const mpm::Problem& problem, int factor);
 

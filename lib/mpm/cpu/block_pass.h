@@ -81,7 +81,8 @@ class BlockPass {
                              GridNumbers<T>& numbers);
   Rows rows_of(int reg) const;
   MaterialParameters<V> parameters_of(const Rows& rows) const;
-  Mat3<V> update_stress(const Rows& rows, const V& dt, Mat3<V>& F, V& strength) const;
+  // own: of the lanes, null where they have their rows'.
+  Mat3<V> update_stress(const Rows& rows, const ParticleElasticity<V>* own, const V& dt, Mat3<V>& F, V& strength) const;
 
   const StepperSetup& setup_;
   const std::vector<MaterialParameters<T>>& parameters_;
@@ -132,8 +133,8 @@ PHYSMAS_INLINE MaterialParameters<typename BlockPass<T>::V> BlockPass<T>::parame
 }
 
 template <class T>
-Mat3<typename BlockPass<T>::V> BlockPass<T>::update_stress(const Rows& rows, const V& dt, Mat3<V>& F,
-                                                           V& strength) const {
+Mat3<typename BlockPass<T>::V> BlockPass<T>::update_stress(const Rows& rows, const ParticleElasticity<V>* own,
+                                                           const V& dt, Mat3<V>& F, V& strength) const {
   // Every row's own law for all lanes, of which its own are kept.
   const Mat3<V> trial = F;
   const V trial_strength = strength;
@@ -141,8 +142,9 @@ Mat3<typename BlockPass<T>::V> BlockPass<T>::update_stress(const Rows& rows, con
   for (int k = 0; k < rows.count; ++k) {
     Mat3<V> row_F = trial;
     V row_strength = trial_strength;
-    const Mat3<V> row_tau = update_branch(setup_.branches[rows.row[k]], convert_parameters<V>(parameters_[rows.row[k]]),
-                                          dt, row_F, row_strength);
+    MaterialParameters<V> p = convert_parameters<V>(parameters_[rows.row[k]]);
+    if (own) p = with_elasticity(p, *own);
+    const Mat3<V> row_tau = update_branch(setup_.branches[rows.row[k]], p, dt, row_F, row_strength);
     const auto mine = lane_mask<T>(rows.lanes[k]);
     tau = select(mine, row_tau, tau);
     F = select(mine, row_F, F);
@@ -273,8 +275,14 @@ LaneBits BlockPass<T>::advance(Run& run, int reg, int column, GridNumbers<T>& nu
     for (int b = 0; b < 3; ++b) s.F[a][b] = number(store_.kDeformation + 3 * a + b);
   }
   const Rows rows = kPlain ? Rows() : rows_of(reg);
-  const MaterialParameters<V> p =
+  MaterialParameters<V> p =
       kPlain ? convert_parameters<V>(parameters_[store_.registers[reg].row]) : parameters_of(rows);
+  ParticleElasticity<V> own;
+  if (store_.has_elasticity) {
+    const auto lanes = [&](int k) { return V(&store_.elasticity[k][first], stdx::vector_aligned); };
+    own = {lanes(0), lanes(1), lanes(2)};
+    p = with_elasticity(p, own);
+  }
   s.volume = number(store_.kVolume);
   s.mass = p.density * s.volume;
   s.strength = kStrength && store_.has_strength ? V(&store_.strength[first], stdx::vector_aligned) : V(T(1));
@@ -305,7 +313,7 @@ LaneBits BlockPass<T>::advance(Run& run, int reg, int column, GridNumbers<T>& nu
   if (kMeasure) measured.F_trial = s.F;
   const V evolved(kGather ? run.step : T(0));
   const Mat3<V> tau = kPlain ? update_branch(static_cast<Branch>(kKnown), p, evolved, s.F, s.strength)
-                             : update_stress(rows, evolved, s.F, s.strength);
+                             : update_stress(rows, store_.has_elasticity ? &own : nullptr, evolved, s.F, s.strength);
   if (kMeasure) {
     measured.x = s.x, measured.v = s.v, measured.C = s.C;
     measured.v_moved = forced ? s.v + motion.increment : s.v;

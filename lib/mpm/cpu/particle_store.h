@@ -51,6 +51,7 @@ class ParticleStore {
   // Empty slots hold a particle at rest of no volume.
   Channel x[3], F[9], volume;  // [cells], row-major, rest volume [m^3]
   Channel strength;            // [Pa], when some row is plasticine
+  Channel elasticity[3];       // mu, lambda [Pa], density [kg/m^3], when particles have their own
   Channel total_F[9];          // row-major, when tracked
   Buffer<int> particle;        // the callers' index, -1: empty slot
   Channel v[3], C[9];          // m/s, 1/s; valid after load and after the last pass of an interval
@@ -65,7 +66,7 @@ class ParticleStore {
     std::uint16_t control = 0;  // control group of all particles, kSeveral where they differ
   };
   std::vector<Register> registers;
-  bool has_strength = false;
+  bool has_strength = false, has_elasticity = false;
 
   int slots() const { return slots_; }
   // The numbers of a register of slots, W per channel: x, F, volume, then the optional ones.
@@ -110,6 +111,9 @@ class ParticleStore {
     for (int k = 0; k < 9; ++k) function(F[k], T(k % 4 == 0));
     function(volume, T(0));
     if (has_strength) function(strength, T(1));
+    for (auto& c : elasticity) {
+      if (has_elasticity) function(c, T(1));
+    }
     for (int k = 0; setup_.track_total_F && k < 9; ++k) function(total_F[k], T(k % 4 == 0));
   }
 
@@ -138,6 +142,7 @@ template <class T>
 ParticleStore<T>::ParticleStore(const StepperSetup& setup, Team& team, double safe_cells)
     : map(setup.domain.n + 1), setup_(setup), team_(team), dx_(setup.domain.dx()), safe_cells_(safe_cells) {
   for (const int row : setup.row) has_strength = has_strength || setup.branches[row] == Branch::plasticine;
+  has_elasticity = !setup.elasticity.empty();
   for (const std::uint16_t group : setup.control_group) has_controls_ = has_controls_ || group != 0;
   for_each_channel([&](Channel&, T empty) {
     empty_.insert(empty_.end(), W, empty);
@@ -191,6 +196,11 @@ long long ParticleStore<T>::load(const State& state) {
         particle[s] = i;
         volume[s] = real ? T(setup_.volume[i]) : T(0);
         if (has_strength) strength[s] = real ? T(state.strength[i]) : T(1);
+        if (has_elasticity) {
+          elasticity[0][s] = real ? T(setup_.elasticity[i].mu) : T(1);
+          elasticity[1][s] = real ? T(setup_.elasticity[i].lambda) : T(1);
+          elasticity[2][s] = real ? T(setup_.elasticity[i].density) : T(1);
+        }
         for (int a = 0; a < 3; ++a) {
           x[a][s] = real ? T(cells_at(i, a) - kBlock * block.position[a]) : rest(s, a);
           v[a][s] = real ? T(state.v[i][a]) : T(0);

@@ -31,7 +31,7 @@ std::vector<Partial> over_state(const StepperSetup& setup, const State& state, T
         const int i = first + l, row = setup.row[i], branch = static_cast<int>(setup.branches[row]);
         for (int a = 0; a < 3; ++a)
           for (int b = 0; b < 3; ++b) F[a][b][l] = state.F[i][a][b];
-        const MaterialParameters<double>& q = setup.parameters[row];
+        const MaterialParameters<double> q = setup.parameters_of(i);
         p.mu[l] = q.mu, p.lambda[l] = q.lambda, p.bulk[l] = q.bulk;
         p.alpha[l] = q.alpha, p.cohesion[l] = q.cohesion, p.friction[l] = q.friction;
         mine[branch][l] = present[branch] = true;
@@ -84,7 +84,7 @@ StepBounds measure_bounds(const StepperSetup& setup, const State& state, Team& t
         for (int l = 0; l < kLanes<double>; ++l) {
           if (!mine[l]) continue;
           const int i = first + l;
-          out.softness = std::min(out.softness, setup.parameters[setup.row[i]].density / double(stiffness[l]));
+          out.softness = std::min(out.softness, setup.parameters_of(i).density / double(stiffness[l]));
           out.speed = std::max(out.speed, dot(state.v[i], state.v[i]));
           out.gradient = std::max(out.gradient, squared_norm(state.C[i]));
         }

@@ -74,6 +74,32 @@ inline MaterialParameters<double> derive_parameters(const Material& m, const Pro
   return p;
 }
 
+// What of a material may differ from particle to particle of a row; the branch and the constants of its profile may
+// not.
+template <class T>
+struct ParticleElasticity {
+  T mu, lambda;  // Lamé parameters [Pa]
+  T density;     // [kg/m^3]
+};
+
+inline ParticleElasticity<double> elasticity_of(const Material& m) {
+  const Lame elastic = lame(m.E, m.nu);
+  return {elastic.mu, elastic.lambda, m.rho};
+}
+
+// The parameters of a row with what a particle of it has of its own.
+template <class T>
+PHYSMAS_HOST_DEVICE PHYSMAS_INLINE MaterialParameters<T> with_elasticity(MaterialParameters<T> p,
+                                                                         const ParticleElasticity<T>& own) {
+  p.mu = own.mu;
+  p.lambda = own.lambda;
+  p.bulk = own.lambda + Scalar<T>(2.0 / 3.0) * own.mu;
+  p.density = own.density;
+  p.inverse_mu = T(Scalar<T>(0.5)) / own.mu;
+  p.strain_friction = p.friction * (Scalar<T>(3) * own.lambda + Scalar<T>(2) * own.mu) * p.inverse_mu;
+  return p;
+}
+
 // Each number from the same number of the given parameters.
 template <class T, class Function, class... From>
 PHYSMAS_INLINE MaterialParameters<T> map_parameters(const Function& to, const MaterialParameters<From>&... p) {

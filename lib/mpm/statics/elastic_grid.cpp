@@ -120,7 +120,8 @@ ElasticGrid::ElasticGrid(const Domain& domain, const Particles& particles, const
       columns_.push_back(columns);
     }
     const int q = key.particle;
-    const MaterialParameters<double>& m = parameters[particles.row[q]];
+    MaterialParameters<double> m = parameters[particles.row[q]];
+    if (!particles.material.empty()) m = with_elasticity(m, elasticity_of(particles.material[q]));
     const Vec3d cells = inverse_dx * particles.position[q];
     Point point;
     point.at = {cells.x - key.at.i, cells.y - key.at.j, cells.z - key.at.k};

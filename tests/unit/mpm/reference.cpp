@@ -24,6 +24,7 @@ State by_reference(const Problem& p) {
     setup.branches.push_back(m.branch);
     setup.parameters.push_back(derive_parameters(m, p.constants));
   }
+  for (const Material& m : p.particles.material) setup.elasticity.push_back(elasticity_of(m));
   setup.row = p.particles.row;
   setup.volume = p.particles.volume;
   setup.control_group = actions.group_of();
@@ -203,4 +204,16 @@ TEST_CASE("mpm reference: each phase does what its equation says on one particle
   // An affine field comes back as it was (Jiang et al. 2015), and falls.
   CHECK(norm(state.v[0] - before.v[0] - Vec3d{0, 0, -1e-2}) < 1e-12);
   CHECK(std::sqrt(squared_norm(state.C[0] - before.C[0])) < 1e-10);
+}
+
+TEST_CASE("mpm reference: particles with a modulus, a Poisson ratio and a density of their own, for every branch") {
+  for (int b = 0; b < kBranchCount; ++b) {
+    const Branch branch = static_cast<Branch>(b);
+    Problem p = falling_block({branch, 5e4, 0.3, 1000});
+    INFO(std::string(branch_name(branch)));
+    for (size_t i = 0; i < p.particles.size(); ++i)
+      p.particles.material.push_back(
+          {branch, 3e4 + 4e4 * (i % 7) / 7.0, 0.2 + 0.2 * (i % 3) / 3.0, 800 + 50.0 * (i % 5)});
+    check_same(p);
+  }
 }
