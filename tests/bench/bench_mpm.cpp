@@ -75,6 +75,7 @@ struct BenchCase {
   std::vector<Branch> branches;  // a row each, in slabs
   bool yields = true;            // else strengths are out of reach
   bool turned = true;            // else aligned with the grid
+  bool field = false;            // every particle has a material of its own
 };
 
 Problem make_problem(int count, const BenchCase& bench) {
@@ -104,6 +105,11 @@ Problem make_problem(int count, const BenchCase& bench) {
         p.particles.volume.push_back(spacing * spacing * spacing);
         p.particles.row.push_back(static_cast<int>((i * bench.branches.size()) / side));
         // A squeeze strong enough to make every plastic branch yield.
+        if (bench.field) {
+          Material own = p.materials[p.particles.row.back()];
+          own.E *= 1 + 0.5 * jitter(random);
+          p.particles.material.push_back(own);
+        }
         p.particles.velocity.push_back({-1.0 * q.x, 1.5 * q.y, -3.0 * q.z});
       }
     }
@@ -163,6 +169,8 @@ int main(int argc, char** argv) {
   for (int b = 0; b < kBranchCount; ++b) cases.push_back({kBranchNames[b], {static_cast<Branch>(b)}});
   cases.push_back({"Hencky elastic", {Branch::foam}, false});
   cases.push_back({"Jelly, aligned", {Branch::jelly}, true, false});
+  cases.push_back({"Jelly, a field", {Branch::jelly}, true, true, true});
+  cases.push_back({"Metal, a field", {Branch::metal}, true, true, true});
   cases.push_back(
       {"all six, mixed", {Branch::jelly, Branch::metal, Branch::sand, Branch::foam, Branch::snow, Branch::plasticine}});
   for (const int size : sizes) {
