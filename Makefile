@@ -373,6 +373,12 @@ hardening: all $(TEST_TOOLS) $(FUZZ_TARGETS:%=$(BUILD)/test/fuzz/%) ## Attack th
 hardening-faults: all $(FAILING_CALLS) ## Let every call of the system fail in turn, in every tool
 	$(Q)tests/faults/walk.py $(BIN) $(FAILING_CALLS)
 
+# On a real Slurm of four virtual nodes (slurm-wlm, munge), with 50 kills of make, srun, nodes and slurmctld. `make test` has the
+# single cases.
+.PHONY: hardening-cluster
+hardening-cluster: all ## Kill a batch on a cluster at random moments and print a table: [KILLS=50]
+	$(Q)tests/hardening/cluster_storm.py $(BIN) $(HARDENING)/cluster 20 $(if $(filter file,$(origin KILLS)),50,$(KILLS))
+
 # --- Benchmarks ---------------------------------------------------------------------------------------------------
 
 .PHONY: bench

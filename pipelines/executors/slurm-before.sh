@@ -27,7 +27,7 @@ done
 
 # Times later than now: stamps, and what stages made. `now` is the file system's.
 touch -- "$stamps/now"
-find "$1" -maxdepth 4 -type f -newer "$stamps/now" ! -path '*/inputs/*' -exec touch -c -r "$stamps/now" -- {} +
+find "$1" -maxdepth 4 -type f -newer "$stamps/now" -exec touch -c -r "$stamps/now" -- {} +
 
 declare -A now=() sum=()
 names=() doubtful=()

@@ -22,5 +22,7 @@ if [ "${fields[1]:-}" = "$HOSTNAME $wrapper $wrapper_start" ]; then
   cancel "${fields[2]}"
   nap 2
   if lives "${srun:-0}" "${srun_start:-}"; then kill -KILL "$srun"; fi
+  # The node's last word may have come after all.
+  if [ ! -e "$note" ]; then rm -f -- "$note.ended" "$note.where"; fi
 fi
 exit 0

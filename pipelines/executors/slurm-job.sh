@@ -137,7 +137,9 @@ try_queue() {
   local entry=$EPOCHREALTIME-$token watch watch_start beats=0
   : >"$note.output"
   : >"$note.messages"
-  printf '%s\0' "$note" "$token" "$seconds" >"$PM_QUEUE/new/$entry" && mv -- "$PM_QUEUE/new/$entry" "$PM_QUEUE/todo/$entry"
+  # Another node is better, if there is one.
+  if [ $lost -gt 2 ]; then excluded=(); fi
+  printf '%s\0' "$note" "$token" "$seconds" ",$(IFS=,; echo "${excluded[*]}")," >"$PM_QUEUE/new/$entry" && mv -- "$PM_QUEUE/new/$entry" "$PM_QUEUE/todo/$entry"
   srun_status=137
   while [ -d "$PM_QUEUE/todo" ]; do
     nap 0.05
@@ -214,9 +216,10 @@ while true; do
       continue
     fi
     fail 137 "out of memory: its $memory MiB on ${node:-its node} were too few; give the stage $stage more memory (RESOURCES), or RETRY=memory"
-  elif [ -n "$status" ] && [ "$ended" != inputs ] && [ "$status" -ne 75 ]; then
+  elif [ -n "$status" ] && [ "$ended" != inputs ] && [ "$status" -ne 75 ] &&
+    ! { [ "$status" -gt 128 ] && slurm_said 'CANCELLED AT|Node failure|step aborted'; }; then
     # A disk that is full on one node is none of the command's faults.
-    if [ "$status" -eq 3 ] && [ $lost -lt 3 ] && grep -q 'No space left on device' "$note.messages"; then
+    if [ "$status" -eq 3 ] && [ $lost -lt 3 ] && grep -qE 'No space left on device|is the disk full' "$note.messages"; then
       why="no space left on the device of $node"
     elif [ "$status" -eq 132 ]; then
       show

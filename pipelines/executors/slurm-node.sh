@@ -25,6 +25,8 @@ cd -- "$folder" || { echo "$node: there is no folder $folder" >&2; exit 75; }
 
 lines=("token $token" "node $node")
 finish() { # STATUS [WHY]
+  # Nobody waits for it any more.
+  if [ "$(token_in "$note")" != "$token" ]; then exit 75; fi
   lines+=("seconds $((SECONDS - begun))" "status $1" ${2:+"ended $2"})
   { printf '%s\n' "${lines[@]}" >"$note.$token" && mv -f -- "$note.$token" "$note.ended"; } ||
     { rm -f -- "$note.$token"; echo "$node: $note.ended cannot be written" >&2; exit 75; }

@@ -13,22 +13,23 @@ for entry in "$mine"/*; do
 done
 running=
 trap 'if [ -n "$running" ]; then kill -TERM "$running"; fi; exit 143' TERM
-beat= beaten=$SECONDS fields=()
+beat= beaten=$SECONDS
 while [ -d "$queue/todo" ]; do
   { read -r now <"$queue/beat"; } 2>/dev/null || now=$beat
   if [ "$now" != "$beat" ]; then beat=$now beaten=$SECONDS; fi
   if [ $((SECONDS - beaten)) -gt 120 ]; then break; fi
-  taken=
+  taken= too_long=
   for entry in "$queue"/todo/*; do
     [ -e "$entry" ] || continue
     mapfile -d '' -t fields < <(cat -- "$entry" 2>/dev/null)
-    if [ ${#fields[@]} -lt 3 ] || [ $((SECONDS + fields[2])) -gt "$limit" ]; then continue; fi
+    [ ${#fields[@]} -eq 4 ] || continue
+    if [[ ${fields[3]} = *,${SLURMD_NODENAME:-},* ]]; then continue; fi
+    if [ $((SECONDS + fields[2])) -gt "$limit" ]; then too_long=1; continue; fi
     if mv -- "$entry" "$mine/" 2>/dev/null; then taken=${entry##*/}; break; fi
   done
   if [ -z "$taken" ]; then
-    # Too old for anything that waits: another takes its place.
-    if [ ${#fields[@]} -ge 3 ] && [ -e "${entry:-}" ] && [ $((SECONDS * 2)) -gt "$limit" ]; then break; fi
-    fields=()
+    # Too old for what waits: a new one takes its place.
+    if [ -n "$too_long" ]; then break; fi
     nap 0.1
     continue
   fi

@@ -6,7 +6,7 @@
 #   slurm.sh kill FOLDER DAEMON                      SIGKILL for one: slurmctld, or a node's slurmd with its tasks (n1)
 #   slurm.sh revive FOLDER DAEMON                    starts it again
 #
-# Who uses it sets SLURM_CONF=FOLDER/slurm.conf. Runs as root, since slurmd starts tasks as their users.
+# Who uses it sets SLURM_CONF=FOLDER/slurm.conf. Debian has the programs: slurm-wlm, munge.
 set -eu
 export PATH=$PATH:/usr/sbin
 action=$1 folder=$(realpath -m -- "$2")
@@ -36,8 +36,8 @@ configure() { # NODES CPUS LINE...
 ClusterName=physmas-test
 SlurmctldHost=$(hostname -s)(127.0.0.1)
 SlurmctldPort=${ports[0]}
-SlurmUser=root
-SlurmdUser=root
+SlurmUser=$(id -un)
+SlurmdUser=$(id -un)
 AuthType=auth/munge
 AuthInfo=socket=$folder/munge.socket
 CredType=cred/munge
@@ -90,8 +90,8 @@ start_node() { slurmd -f "$SLURM_CONF" -N "$1"; }
 # What a node runs: slurmstepd and its tasks are no children of slurmd, but have its node's name.
 steps_of() { # NODE
   local environ
-  for environ in /proc/[0-9]*/environ; do
-    if grep -zqxF -e "SLURMD_NODENAME=$1" "$environ" 2>/dev/null && grep -zqxF -e "SLURM_CONF=$SLURM_CONF" "$environ" 2>/dev/null; then
+  for environ in $(grep -lzxF -e "SLURM_CONF=$SLURM_CONF" /proc/[0-9]*/environ 2>/dev/null); do
+    if grep -zqxF -e "SLURMD_NODENAME=$1" "$environ" 2>/dev/null; then
       environ=${environ#/proc/}
       echo "${environ%/environ}"
     fi

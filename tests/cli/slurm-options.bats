@@ -1,0 +1,69 @@
+#!/usr/bin/env bats
+# The executor slurm's table of resources, and what of it reaches srun; without a Slurm.
+load common
+
+setup() {
+  cd "$BATS_TEST_TMPDIR" || return 1
+  mkdir path
+  # What Slurm does not take is not tried again.
+  printf '#!/bin/bash\nprintf "%%s " "$@" >>%q\necho >>%q\necho "srun: error: Invalid partition name" >&2\nexit 1\n' "$PWD/srun.log" "$PWD/srun.log" >path/srun
+  chmod +x path/srun
+  export PATH=$PWD/path:$PATH
+  "$bin/pm-scene" synth "$root/tests/data/tiny.json" --out scene --quiet
+}
+
+run_make() { env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -f "$root/pipelines/installed.mk" BIN="$bin" EXECUTOR=slurm "$@"; }
+refuses() { # TEXT ARGUMENT...
+  local text=$1
+  shift
+  run run_make run SCENE=scene/scene.json RUN=run "$@"
+  echo "$output"
+  [ "$status" -eq 2 ]
+  [ "${#lines[@]}" -eq 1 ]
+  [[ $output = *"$text"* ]]
+  [ ! -e run ]
+}
+
+@test "slurm: lines of the table that cannot be read are named" {
+  for line in 'lift 1 core' 'lift: 1 core' 'lift: 0 cores, 1 GiB, 1 min' 'lift: 1 core, 1 GB, 1 min' 'lift: 1 core, 1 GiB, 1 min, --wrap=$(x)' 'lift: here, 1 core' \
+    'lift: 2 cores, 99999999999 MiB, 1 min'; do
+    printf '# a comment\n%s\n' "$line" >table
+    refuses "table:2: found \"" RESOURCES=table
+  done
+  refuses "RESOURCES=nowhere is not there" RESOURCES=nowhere
+  refuses "RETRY=twice: expected memory, time, or both" RETRY=twice
+  refuses "ARRAY=x: expected a number" ARRAY=x
+  refuses "make run has no variable RETYR; the nearest is RETRY" RETYR=memory
+}
+
+@test "slurm: cores, memory, time, GPUs and options of a stage reach srun" {
+  cat >table <<'T'
+default: 3 cores, 700 MiB, 90 s   # for the rest
+ground: 5 cores, 2 GiB, 1 h, 2 gpus, --partition=long
+T
+  job() { # NAME STAGE COMMAND...
+    PM_RESOURCES="$root/pipelines/executors/resources.txt table" PM_PATIENCE=1 bash "$root/pipelines/executors/slurm-job.sh" "$1" "$2" "" "" "$PWD/run/.stamps/$1.log" $$ -- "${@:3}"
+  }
+  mkdir -p run/.stamps
+  run job ground ground pm-ground
+  [ "$status" -eq 2 ]
+  [[ $output = *"srun: error: Invalid partition name"*"run/ground: error: Slurm does not take it"* ]]
+  grep -q -- '--cpus-per-task=5 --mem=2048M .*--time=62 --gres=gpu:2 --partition=long ' srun.log
+  : >srun.log
+  run job newstage newstage pm-x
+  grep -q -- '--cpus-per-task=3 --mem=700M .*--time=4 ' srun.log
+  refute grep -q gres srun.log
+  : >srun.log
+  run job simulate-x simulate pm-simulate --device cuda --out x
+  grep -q -- '--cpus-per-task=8 --mem=2048M .*--gres=gpu:1 ' srun.log
+  : >srun.log
+  run job screen0 screen bash -c 'echo here'
+  [ "$output" = here ]
+  [ ! -s srun.log ]
+  # No key on a command line, and none in a file.
+  : >srun.log
+  PM_API_KEY=geheim run job lift lift pm-lift
+  [ -s srun.log ]
+  refute grep -rq geheim .
+  [ -z "$(find run -name '*.job*')" ]
+}
