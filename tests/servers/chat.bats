@@ -21,6 +21,7 @@ teardown() { end_server; }
   mv evidence.json live.json
   material --agent replay:exchanges
   cmp evidence.json live.json
+  keep llamacpp
   # Fields of its own, and one that it does not know.
   rm -rf exchanges evidence.json
   echo '{"max_tokens": 5}' >body.json

@@ -53,8 +53,11 @@ has_perception() { # FLAGS...
   has_predictor predictor
   # It writes NaN, which is no JSON.
   grep -q NaN exchanges/predictor_cake_plate.json
+  keep triton
   has_predictor predictor --tensors binary
+  keep triton-binary
   has_predictor half
+  keep triton-half
   [ -n "$(find exchanges -name '*.bin')" ]
   # A model that is not there, and one that fails: the server's words.
   fails_with 4 material --predictor "$url/nobody" -- "HTTP 400" "not"
@@ -69,7 +72,7 @@ has_perception() { # FLAGS...
   start_server triton "$BATS_TEST_DIRNAME/serve_batching.py"
   is_ready predictor grounding-dino sam2
   has_predictor predictor
-  grep -q '"shape": \[' exchanges/predictor_cake_plate.json
+  keep triton-batching
   has_predictor predictor --tensors binary
   has_perception
 }
@@ -79,6 +82,7 @@ has_perception() { # FLAGS...
   is_ready predictor grounding-dino sam2
   has_predictor predictor
   grep -qF '\"inputs\":[]' exchanges/predictor_metadata.json
+  keep kserve
   fails_with 4 material --predictor "$url/nobody" -- "HTTP 404: Model with name nobody does not exist"
   has_perception
   # It decodes what comes in binary as UTF-8, which pictures are not.
@@ -89,6 +93,7 @@ has_perception() { # FLAGS...
   start_server mlserver serve_mlserver.py stand_ins:Predictor stand_ins:Detector stand_ins:Segmenter
   is_ready predictor grounding-dino sam2
   has_predictor predictor
+  keep mlserver
   fails_with 4 material --predictor "$url/nobody" -- "HTTP 404: Model nobody not found"
   has_perception
 }

@@ -41,6 +41,14 @@ start_server() {
   url=$server_url/v2/models
 }
 
+# keep NAME: the exchanges of the working folder for tests/data/exchanges, where RECORD names such a folder.
+keep() {
+  if [ -n "${RECORD:-}" ]; then
+    rm -rf "${RECORD:?}/$1"
+    cp -r exchanges "$RECORD/$1"
+  fi
+}
+
 end_server() {
   if [ -n "${server:-}" ]; then
     kill -TERM -- "-$server" 2>/dev/null || true
