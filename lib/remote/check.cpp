@@ -156,9 +156,11 @@ class Checker {
         const Json metadata = get(path).body;
         role = role_of(metadata, all);
         if (role == nullptr) {
+          role = &role_by_name(name, all);
           const bool silent = declared_tensors(metadata, "inputs").empty();
-          role = &all[2];
-          if (silent) note(name, "says nothing of its tensors; tried as a predictor");
+          note(name, fmt::format("{}; tried as a {}",
+                                 silent ? "says nothing of its tensors" : "has other tensors than a run asks for",
+                                 role->title));
         }
       }
       const auto backend = open(path);
@@ -167,7 +169,7 @@ class Checker {
       for (const InputTensor& input : role->inputs) inputs.push_back(input.name);
       for (const TensorSpecification& output : role->outputs) outputs.push_back(output.name);
       client.require_model(inputs, outputs);
-      good(name, fmt::format("is ready; a {} by its tensors", role->title));
+      good(name, fmt::format("is ready, as a {}", role->title));
       const Stopwatch watch;
       const auto found = client.infer("trial", role->inputs, role->outputs);
       std::vector<std::string> shapes;
@@ -178,6 +180,16 @@ class Checker {
       if (url_.path == path && *role->variable != 0)
         good("run", fmt::format("make run ... {}={}", role->variable, options_.url));
     });
+  }
+
+  // Where its tensors do not say: "clip-text", "cotracker3".
+  static const Role& role_by_name(const std::string& name, const std::vector<Role>& all) {
+    const std::pair<const char*, size_t> parts[] = {{"text", 3}, {"image", 4},  {"vision", 4}, {"track", 5},
+                                                    {"dino", 0}, {"detect", 0}, {"sam", 1},    {"segment", 1}};
+    for (const auto& [part, role] : parts) {
+      if (name.find(part) != std::string::npos) return all[role];
+    }
+    return all[2];
   }
 
   static const Role* role_of(const Json& metadata, const std::vector<Role>& all) {

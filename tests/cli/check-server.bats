@@ -64,11 +64,11 @@ check_says() {
 
 @test "check: an inference server, and single models of it" {
   serve good
-  check_says 0 "$url" -- 'ok +server +tests 1, with the binary tensor extension' 'ok +grounding-dino +is ready; a detector' 'grounding-dino +answers in .*boxes \[0, 4\]' \
+  check_says 0 "$url" -- 'ok +server +tests 1, with the binary tensor extension' 'ok +grounding-dino +is ready, as a detector' 'grounding-dino +answers in .*boxes \[0, 4\]' \
     'ok +sam2 .*masks \[1, 64, 64\]' 'make run ... PERCEPTION='
-  check_says 0 "$url/v2/models/m" -- 'ok +m +is ready; a predictor' 'label_evidence \[1, 14\]' 'PREDICTOR='
+  check_says 0 "$url/v2/models/m" -- 'ok +m +is ready, as a predictor' 'label_evidence \[1, 14\]' 'PREDICTOR='
   check_says 0 "$url/v2/models/m" --tensors binary -- 'answers in .*, in binary'
-  check_says 0 "$url/v2/models/tracker" -- 'a tracker' 'tracks \[1, 2, 1, 2\]'
+  check_says 0 "$url/v2/models/tracker" -- 'as a tracker' 'tracks \[1, 2, 1, 2\]'
   stop_server
   serve no-metadata
   check_says 0 "$url/v2/models/m" -- 'note +m +says nothing of its tensors' 'ok +m +answers'
