@@ -64,11 +64,20 @@ lift::Labels assigned_labels(const Scene& scene, const Inventory& inventory, con
   log_info(fmt::format("{} Gaussians in no view, {} hidden, {} object and {} part votes, {} rescued, {} residual",
                        labels.counts.unseen, labels.counts.hidden, labels.counts.object_votes, labels.counts.part_votes,
                        labels.counts.rescued, labels.counts.residual));
+  for (const size_t v : labels.agreement.contradicted) {
+    omitted.push_back({"masks of " + masks[v].view, "they contradict those of the other views"});
+    log_warning("the masks of the view " + masks[v].view + " contradict those of the other views; they do not count");
+  }
+  for (const auto& [v, w] : labels.agreement.undecided) {
+    omitted.push_back({"masks of " + masks[v].view + " and " + masks[w].view, "they contradict each other"});
+    log_warning(fmt::format("the masks of the views {} and {} contradict each other; the labels may be wrong",
+                            masks[v].view, masks[w].view));
+  }
   if (scene.run.lifting.islands == RunSpecification::Lifting::Islands::keep) return labels;
   const double cell = scene.run.grid.dx() / solver_map(gaussians, scene.run).s;
   const lift::Islands islands = lift::join_islands(gaussians, inventory, cell, labels);
-  omitted = islands.omitted;
-  if (!omitted.empty()) {
+  omitted.insert(omitted.end(), islands.omitted.begin(), islands.omitted.end());
+  if (!islands.omitted.empty()) {
     log_warning(fmt::format(
         "small pieces hang apart from their rows; given to what they touch: {} Gaussians ({} pieces); left, as they "
         "touch nothing: {} ({}); the state names the rows",

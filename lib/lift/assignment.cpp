@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "lift/agreement.h"
 #include "lift/evidence.h"
 #include "scene/color.h"
 #include "scene/neighbors.h"
@@ -14,6 +15,14 @@ namespace physmas::lift {
 namespace {
 
 constexpr int32_t kNone = -1;
+
+// Whether a view has no mask at all.
+bool is_empty(const ViewMasks& view) {
+  const auto has_none = [](const std::vector<Mask>& masks) {
+    return std::all_of(masks.begin(), masks.end(), [](const Mask& mask) { return mask.area() == 0; });
+  };
+  return has_none(view.objects) && has_none(view.rows);
+}
 
 // One decision per Gaussian among competing labels (objects, or the rows of one object).
 struct Decision {
@@ -246,8 +255,19 @@ Labels assign_rows(const LiftingInput& input) {
       if (pixels[v][i] < 0) continue;
       in_image[i] = 1;
       if (depth_test && visible[v][i] == 0) pixels[v][i] = -1;
-      views_of[i] += pixels[v][i] >= 0;
     }
+  }
+  // What nothing else sees is then a hidden Gaussian's case.
+  if (depth_test) {
+    labels.agreement = compare_views(views, pixels);
+    const std::vector<size_t>& contradicted = labels.agreement.contradicted;
+    for (size_t v = 0; v < views.size(); ++v) {
+      const bool is_contradicted = std::find(contradicted.begin(), contradicted.end(), v) != contradicted.end();
+      if (is_contradicted || is_empty(views[v])) pixels[v].assign(n, -1);
+    }
+  }
+  for (const std::vector<int32_t>& pixel : pixels) {
+    for (size_t i = 0; i < n; ++i) views_of[i] += pixel[i] >= 0;
   }
   for (size_t i = 0; i < n; ++i) {
     hidden[i] = in_image[i] != 0 && views_of[i] == 0;

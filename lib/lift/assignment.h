@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lift/agreement.h"
 #include "records/inventory.h"
 #include "records/masks.h"
 #include "records/run_specification.h"
@@ -28,6 +29,7 @@ struct Labels {
     long hidden = 0;    // depth test: in some view's image, but seen in none
     long rescued = 0;   // out of a residual row by the cleanup pass
   } counts;
+  Agreement agreement;  // of the views; contradicted ones did not count
 };
 
 // What the labels are made from.
@@ -48,8 +50,9 @@ struct LiftingInput {
 // reliable neighbour decides is residual; the cleanup pass hands each row the nearest of the residual Gaussians whose
 // nearest labelled Gaussian has that row, up to the rescue target.
 //
-// With the depth test, views that do not see a Gaussian leave Omega_i (splat/visibility.h). A Gaussian that no view
-// sees takes the vote of the reliable Gaussians that are nearest in place and colour (12 for objects, 16 for parts).
+// With the depth test, views that do not see a Gaussian leave Omega_i (splat/visibility.h), and so do views without a
+// mask and those that contradict the others. A Gaussian that no view sees takes the vote of the reliable Gaussians that
+// are nearest in place and colour (12 for objects, 16 for parts).
 Labels assign_rows(const LiftingInput& input);
 
 // min(candidates, max(64, round(0.003 N_G))), round half away from zero.

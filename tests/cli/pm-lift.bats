@@ -148,3 +148,32 @@ J
   # The truth of this scene has the chips in the ball's row.
   [ "$(grep row_accuracy labels.json)" != "$joined" ]
 }
+
+@test "lift: a view whose masks contradict the others does not count, and is named; one without masks does not count either" {
+  make_bundle
+  copy_bundle
+  "$(bin)/pm-scene" synth "$BATS_FILE_TMPDIR/toy.json" --out scene --true-masks
+  accuracy() { # MASKS
+    rm -rf run
+    "$(bin)/pm-ground" --scene scene/scene.json --out run --perception "masks:$1" 2>/dev/null
+    "$(bin)/pm-lift" --scene scene/scene.json --inventory run/inventory.json --masks run/masks.h5 --out run/state.h5 2>log
+    "$(bin)/pm-eval" labels --scene scene/scene.json --inventory run/inventory.json --state run/state.h5 --out run/labels.json >/dev/null
+    python3 -c 'import json; a = json.load(open("run/labels.json"))["row_accuracy"]; print(a); assert a > 0.97, a'
+  }
+  spoil=${PM_TEST_BIN:-$(bin)/../test}/spoil_masks
+  for kind in "swapped 1" "missing 1" "missing 2" "medium 1"; do
+    rm -rf spoilt
+    "$spoil" scene/true-masks spoilt $kind
+    accuracy spoilt
+    if [ "$kind" = "swapped 1" ]; then
+      grep -q "the masks of the view back contradict those of the other views" log
+    else
+      refute grep -q contradict log
+    fi
+  done
+  rm -rf spoilt run
+  "$spoil" scene/true-masks spoilt swapped 2
+  "$(bin)/pm-ground" --scene scene/scene.json --out run --perception masks:spoilt 2>/dev/null
+  "$(bin)/pm-lift" --scene scene/scene.json --inventory run/inventory.json --masks run/masks.h5 --out run/state.h5 2>log
+  grep -q "the masks of the views .* contradict each other; the labels may be wrong" log
+}
