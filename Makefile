@@ -224,6 +224,15 @@ else
 endif
 	@mkdir -p $(@D) && touch $@
 
+# Programs of other people that read what pm-render writes; only tests use them (tests/cli/exports.bats).
+PYTHON_PACKAGES := numpy usd-core plyfile gsply zstandard
+.PHONY: test-python
+test-python: build/test/python/.installed ## Install the Python packages that tests of exported files use
+build/test/python/.installed:
+	python3 -m venv $(@D)
+	$(@D)/bin/pip install --quiet --disable-pip-version-check $(PYTHON_PACKAGES)
+	@touch $@
+
 # --- Runs ---------------------------------------------------------------------------------------------------------
 
 BUILT_TOOLS := $(TOOLS:%=$(BIN)/%)
@@ -309,10 +318,10 @@ FUZZ_BUILD := build/fuzz/$(FUZZ_ENGINE)
 FUZZ_FLAGS := -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined -w \
               $(if $(filter libfuzzer,$(FUZZ_ENGINE)),-fsanitize=fuzzer-no-link)
 # What the targets reach: all but the command line, the making of scenes, the segmenter and the renderer.
-FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp lib/base/team.cpp lib/remote/remote_flags.cpp $(patsubst %,lib/scene/%.cpp,color neighbors placement view_pictures), \
+FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp lib/base/team.cpp lib/remote/remote_flags.cpp $(patsubst %,lib/scene/%.cpp,color placement view_pictures), \
                   $(wildcard $(patsubst %,lib/%/*.cpp,base records scene remote plan))) \
-                $(patsubst %,lib/bundle/%.cpp,captured_views choose_views colmap_model dataparser_transform distortion foreign_json \
-                  physgaussian physgaussian_boundaries selection transforms_json view_rig) \
+                $(patsubst %,lib/bundle/%.cpp,captured_views choose_views colmap_model dataparser_transform dense_component distortion foreign_json \
+                  physgaussian physgaussian_boundaries pose_lists selection transforms_json view_rig) \
                 $(patsubst %,lib/masks/%.cpp,coco mask_doubts mask_models queries) \
                 $(patsubst %,lib/material/%.cpp,chat_source pictures predictor_source) lib/screen/run_table.cpp \
                 $(patsubst %,lib/metrics/%.cpp,array_file clip clip_tokenizer video_tracks) lib/tables/suite.cpp \

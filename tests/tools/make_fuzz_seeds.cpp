@@ -15,6 +15,7 @@
 #include "scene/image_file.h"
 #include "splat/video.h"
 #include "unit/metrics/npz_bytes.h"
+#include "unit/scene/sog_files.h"
 #include "unit/scene/spz_bytes.h"
 
 using namespace physmas;
@@ -279,13 +280,29 @@ int main(int argc, char** argv) {
   seed("gaussians/big-endian", ply_big_endian_with_list());
   seed("gaussians/compressed", compressed_ply());
   seed("gaussians/splat", splat_file());
-  for (int version = 2; version <= 3; ++version) {
+  for (int version = 1; version <= 3; ++version) {
     for (int degree = 0; degree <= 1; ++degree) {
       const SpzGaussian g = SpzGaussian::with_degree(degree);
       const std::string body = testing::spz_body(version, degree, {g, g});
       seed(fmt::format("spz/version-{}-degree-{}", version, degree), body);
       if (degree == 1) seed(fmt::format("gaussians/spz-{}", version), testing::gzip(body));
     }
+  }
+  const SpzGaussian fourth = SpzGaussian::with_degree(1);
+  const std::string records("\x03\x00\xbe\xad\x04\x00\x00\x00\x08\x00\x00\x00", 12);  // left-handed
+  const std::string spz_body = testing::spz_body(3, 1, {fourth, fourth});
+  seed("spz/version-4", testing::spz4(spz_body, 1, records));
+  seed("spz/extensions", spz_body + records);
+  seed("gaussians/spz-4", testing::spz4(spz_body));
+  for (const bool webp : {true, false}) {
+    testing::Sog sog(webp);
+    seed(fmt::format("gaussians/sog-{}", webp ? "webp" : "png"), sog.archive());
+    std::string text = sog.meta.dump(), images;
+    for (size_t i = 0; i < sog.images.size(); ++i) {
+      text.replace(text.find(sog.images[i].first), sog.images[i].first.size(), std::to_string(i));
+      images += "\n--\n" + sog.images[i].second;
+    }
+    seed(fmt::format("sog/{}", webp ? "webp" : "png"), text + images);
   }
 
   Json transforms = {{"w", 64}, {"h", 48}, {"fl_x", 60}, {"k1", 0.1}, {"p2", 0.01}, {"frames", Json::array()}},
