@@ -195,15 +195,15 @@ RunSpecification run_for(const ImportOptions& options, Json json, const Gaussian
 }
 
 // The scene where it is and where it would lie after falling to the floor.
-std::vector<Eigen::Vector3d> points_to_frame(const std::vector<Eigen::Vector3d>& means, const Gaussians& gaussians,
+std::vector<Eigen::Vector3d> points_to_frame(std::vector<Eigen::Vector3d> points, const Gaussians& gaussians,
                                              const RunSpecification& run) {
-  std::vector<Eigen::Vector3d> points = means;
+  const size_t count = points.size();
   const SolverMap map = solver_map(gaussians, run);
   const Eigen::Vector3d up = run.placement.up_vector();
   for (const RunSpecification::Collider& c : run.colliders) {
     if (c.type != RunSpecification::Collider::Type::plane || c.normal.dot(up) < 0.99) continue;
     const double fall = (heights_of(gaussians, run).lowest - c.point.dot(up)) / map.s;
-    for (const Eigen::Vector3d& p : means) points.push_back(p - std::max(0.0, fall) * up);
+    for (size_t i = 0; i < count; ++i) points.push_back(points[i] - std::max(0.0, fall) * up);
   }
   return points;
 }
@@ -374,7 +374,7 @@ void write_import_bundle(const ImportOptions& given) {
   scene.run = run_for(options, std::move(base), gaussians);
   scene.gaussians = options.folder + "/gaussians.ply";
 
-  const std::vector<Eigen::Vector3d> means = robust_means_of(gaussians);
+  std::vector<Eigen::Vector3d> means = robust_means_of(gaussians);
   std::vector<CopiedFile> copies;
   std::vector<Image> rendered;
   std::vector<std::pair<std::string, std::string>> chosen;
@@ -382,7 +382,7 @@ void write_import_bundle(const ImportOptions& given) {
   if (!options.cameras.empty()) {
     DataparserTransform placing;
     placing.rotation = configuration.turn;
-    placing.translation = -notes.offset;
+    placing.translation = -(configuration.turn * notes.offset);
     UserViews user = read_user_views(options.cameras, options.views, options.dataparser, placing, means, options.up,
                                      options.front, options.folder);
     if (!given.dataparser.empty() && given.dataparser != "none" && !user.transformed) {
@@ -399,13 +399,18 @@ void write_import_bundle(const ImportOptions& given) {
     front = front_without_views(options);
     const std::vector<Camera> cameras =
         view_cameras(means, options.view_elevation, {options.up, kViewFov, kViewMargin, kViewSize, kViewSize, front});
-    rendered = render_view_images(gaussians, cameras, scene.run.render);
     for (size_t i = 0; i < cameras.size(); ++i)
       scene.views.push_back({kViewNames[i], options.folder + "/views/" + kViewNames[i] + ".png", cameras[i]});
   }
+  // Rendering a large scene takes the most memory: the means are no longer held then.
   scene.output_cameras = {
-      frame_points(points_to_frame(means, gaussians, scene.run), {options.azimuth, options.elevation},
+      frame_points(points_to_frame(std::move(means), gaussians, scene.run), {options.azimuth, options.elevation},
                    {options.up, kOutputFov, kOutputMargin, scene.run.render.width, scene.run.render.height, front})};
+  if (options.cameras.empty()) {
+    std::vector<Camera> cameras;
+    for (const SceneView& view : scene.views) cameras.push_back(view.camera);
+    rendered = render_view_images(gaussians, cameras, scene.run.render);
+  }
 
   Provenance provenance;
   provenance.tool = "pm-scene";

@@ -13,6 +13,7 @@ std::vector<Image> render_view_images(const Gaussians& gaussians, const std::vec
   splat::RenderOptions options;
   options.background = render.background.cast<float>();
   options.max_sh_degree = render.sh_degree;
+  options.max_pairs = size_t{1} << 22;  // 16 MiB: a scene of millions takes enough by itself
   std::vector<Image> images;
   for (const Camera& camera : cameras) {
     const splat::RenderedImage& rendered = renderer.render(camera, {}, options);

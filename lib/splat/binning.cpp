@@ -72,6 +72,11 @@ void DepthOrder::sort(const uint32_t* keys, const uint8_t* shown, size_t n) {
   }
   order_.resize(items_.size());
   for (size_t k = 0; k < items_.size(); ++k) order_[k] = static_cast<uint32_t>(items_[k]);
+  // Of millions, what sorting took is given back.
+  constexpr size_t kKept = size_t{1} << 20;
+  if (items_.size() <= kKept) return;
+  std::vector<uint64_t>().swap(items_);
+  std::vector<uint64_t>().swap(scratch_);
 }
 
 void TileBins::count(const Splat* splats, const std::vector<uint32_t>& order, int width, int height, int threads) {

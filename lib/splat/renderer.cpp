@@ -55,11 +55,6 @@ bool same_bits(const void* a, const void* b, size_t bytes) {
 Renderer::Renderer(const Gaussians& gaussians) : gaussians_(gaussians), default_near_(0.01 * scene_size(gaussians)) {
   const size_t n = gaussians.size();
   if (n > std::numeric_limits<uint32_t>::max()) throw internal_error("more than 2^32 Gaussians to render");
-  rest_.resize(n);
-#pragma omp parallel for
-  for (size_t i = 0; i < n; ++i) rest_[i] = rest_shape(gaussians, i);
-  last_position_.resize(n);
-  last_F_.resize(n);
   splats_.resize(n);
   depth_key_.resize(n);
 }
@@ -70,6 +65,16 @@ void Renderer::project(const Camera& camera, const Deformation& deformation, con
   setup.camera = camera;
   setup.near = options.near > 0 ? options.near : default_near_;
   setup.sh_degree = std::min(gaussians_.sh_degree, std::clamp(options.max_sh_degree, 0, 3));
+  // At rest nothing is kept but that it was at rest: a large scene that is only looked at costs that much less memory.
+  const bool moves = deformation.position != nullptr || deformation.F != nullptr;
+  if (moves && last_position_.empty()) {
+    last_position_ = gaussians_.position;
+    last_F_.assign(gaussians_.size(), RowMatrix3f::Identity());
+    rest_.resize(gaussians_.size());
+#pragma omp parallel for num_threads(threads)
+    for (size_t i = 0; i < rest_.size(); ++i) rest_[i] = rest_shape(gaussians_, i);
+  }
+  const bool compare = !last_position_.empty();
   const bool reuse = have_setup_ && setup == setup_;
   setup_ = setup;
   have_setup_ = true;
@@ -80,11 +85,14 @@ void Renderer::project(const Camera& camera, const Deformation& deformation, con
   for (long i = 0; i < n; ++i) {
     const Eigen::Vector3f& position = deformation.position ? deformation.position[i] : gaussians_.position[i];
     const RowMatrix3f& F = deformation.F ? deformation.F[i] : rest_F;
-    if (!reuse || !same_bits(&position, &last_position_[i], sizeof(position)) ||
-        !same_bits(&F, &last_F_[i], sizeof(F))) {
-      last_position_[i] = position;
-      last_F_[i] = F;
-      const Projection result = project_gaussian(gaussians_, i, rest_[i], position, F, setup_, &splats_[i]);
+    if (!reuse || (compare && (!same_bits(&position, &last_position_[i], sizeof(position)) ||
+                               !same_bits(&F, &last_F_[i], sizeof(F))))) {
+      if (compare) {
+        last_position_[i] = position;
+        last_F_[i] = F;
+      }
+      const Projection result = project_gaussian(gaussians_, i, compare ? rest_[i] : rest_shape(gaussians_, i),
+                                                 position, F, setup_, &splats_[i]);
       depth_key_[i] = result == Projection::not_finite ? kKeyNotFinite : kKeyHidden;
       if (result == Projection::drawn) std::memcpy(&depth_key_[i], &splats_[i].depth, sizeof(uint32_t));
       ++reprojected;

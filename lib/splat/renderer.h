@@ -80,10 +80,10 @@ class Renderer {
 
   const Gaussians& gaussians_;
   double default_near_;
-  std::vector<RestShape> rest_;  // [N]
+  std::vector<RestShape> rest_;  // [N]; empty until something moves
   ProjectionSetup setup_;        // of the last call
   bool have_setup_ = false;
-  std::vector<Eigen::Vector3f> last_position_;  // [N] what splats_ was made from
+  std::vector<Eigen::Vector3f> last_position_;  // [N] what splats_ was made from; empty: the rest state
   std::vector<RowMatrix3f> last_F_;             // [N]
   std::vector<Splat> splats_;                   // [N]
   std::vector<uint32_t> depth_key_;             // [N]
