@@ -55,7 +55,7 @@ Description: physical simulation of 3D Gaussian Splatting scenes
  returns one audited rollout.
  .
  The tools pm-scene, pm-ground, pm-lift, pm-material, pm-candidates,
- pm-simulate, pm-render, pm-screen and pm-eval read and write files;
+ pm-simulate, pm-render, pm-screen, pm-report and pm-eval read and write files;
  /usr/share/physmas/physmas.mk chains them with GNU Make. The solver and the
  renderer use AVX-512, AVX2 or SSE2, as wide as the processor has.
 END

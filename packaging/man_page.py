@@ -10,7 +10,7 @@ import textwrap
 
 from tool_help import read_tool
 
-TOOLS = ("pm-scene pm-ground pm-lift pm-material pm-candidates pm-simulate pm-render pm-screen pm-eval").split()
+TOOLS = ("pm-scene pm-ground pm-lift pm-material pm-candidates pm-simulate pm-render pm-screen pm-report pm-eval").split()
 
 
 def wrapped(text):

@@ -3,7 +3,7 @@
 #
 # SCENES   names of examples, scene.json files and files of Gaussians; or one text file of them, one per line, where variables of
 #          `make run` may follow: guitar.ply UP=-y "PROMPT=the guitar falls"     (# starts a comment)
-# BATCH    the folder, by default runs/batch: a run per scene in BATCH/NAME with its log.txt, and table.tsv
+# BATCH    the folder, by default runs/batch: a run per scene in BATCH/NAME with its log.txt, table.tsv and index.html
 # Variables that are given to make itself (SET, THREADS, ...) count for every scene.
 #
 # It is one graph: physmas.mk is read once for every scene, and the stages of all are targets of one make. Its rules name the run
@@ -116,8 +116,9 @@ $(foreach v,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES),$(eval ex
 # --- The table ----------------------------------------------------------------------------------------------------
 
 .PHONY: batch-finished
-batch-finished: | $(call built,pm-screen)
-	@$(call job,table,1,$(BATCH_LIST),$(BATCH)/table.tsv,$(BATCH)/table.log) \
+batch-finished: | $(call built,pm-screen pm-report)
+	@$(call job,table,1,$(BATCH_LIST),$(BATCH)/table.tsv $(BATCH)/index.html,$(BATCH)/table.log) \
 	env BIN=$(BIN) $(call batch_script,table) $(BATCH)
 	@column -t -s "$$(printf '\t')" $(BATCH)/table.tsv 2>/dev/null || cat $(BATCH)/table.tsv
+	@echo "  page  $(BATCH)/index.html"
 endif

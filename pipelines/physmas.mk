@@ -291,12 +291,19 @@ $(STAMPS)/error: $(RUN)/spec/simulate.json $(RUN)/spec/render.json $(RUN)/state.
 	  --out $(RUN)/error.json --threads $(threads) $(to_log)
 	$(finish)
 
+# The page of the run. What was asked for is shown in it.
+$(STAMPS)/report: $(RUN)/screen/round$(LAST_ROUND).json $(if $(filter fail,$(PM_DECISION$(LAST_ROUND))),$(STAMPS)/best) \
+                  $(if $(ERROR),$(if $(ACCEPTED),$(STAMPS)/error)) \
+                  $(foreach f,settings changes models ground-models,$(RUN)/$(f)) $(call missing,$(RUN)/report.html $(RUN)/report.json) | $(call built,pm-report)
+	$(call stage,report,$(RUN)/report.html)
+	@$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/report.html $(RUN)/report.json,$@.log) $(BIN)/pm-report --run $(RUN) --out $(RUN)/report.html --threads $(threads)
+	$(finish)
+
 .PHONY: $(FINISHED)
-$(FINISHED): $(RUN)/screen/round$(LAST_ROUND).json $(if $(filter fail,$(PM_DECISION$(LAST_ROUND))),$(STAMPS)/best) \
-             $(if $(ERROR),$(if $(ACCEPTED),$(STAMPS)/error))
+$(FINISHED): $(RUN)/screen/round$(LAST_ROUND).json $(STAMPS)/report
 ifneq ($(ACCEPTED),)
 	@{ if [ -e $(STAMPS)/work ]; then echo "Accepted."; else echo "Nothing to do: $(RUN) is up to date."; fi; \
-	printf '  video   %s\n  audit   %s\n  screen  %s\n' $(RUN)/final.mp4 $(RUN)/accepted.json $(RUN)/screen/round$(LAST_ROUND).json; \
+	printf '  video   %s\n  report  %s\n  audit   %s\n  screen  %s\n' $(RUN)/final.mp4 $(RUN)/report.html $(RUN)/accepted.json $(RUN)/screen/round$(LAST_ROUND).json; \
 	$(if $(ERROR),printf '  error   %s\n' $(RUN)/error.json;) } $(to_log)
 	@rm -f $(STAMPS)/work $(STAMPS)/best $(RUN)/best.mp4
 	$(call ended,0)
@@ -304,6 +311,6 @@ else
 	@rm -f $(STAMPS)/work
 	@$(call job,explain,1,$(job_inputs),,$(STAMPS)/explain.log) \
 	$(BIN)/pm-screen --explain --out $(RUN)/screen/round$(LAST_ROUND).json
-	@echo "No candidate was admitted: see $(RUN)/screen/round$(LAST_ROUND).json; the best is $(RUN)/best.mp4" $(or $(to_log),>&2)
+	@echo "No candidate was admitted: see $(RUN)/screen/round$(LAST_ROUND).json; the best is $(RUN)/best.mp4, and $(RUN)/report.html shows all" $(or $(to_log),>&2)
 	$(call ended,6)
 endif

@@ -16,8 +16,8 @@ SCENE ?=
 
 # --- Tools and executor -------------------------------------------------------------------------------------------
 
-# What a run needs; pm-eval is not among them.
-RUN_TOOLS := pm-scene pm-ground pm-lift pm-material pm-candidates pm-simulate pm-render pm-screen $(if $(ERROR),pm-eval)
+# What a run needs; pm-eval only where its error is asked for.
+RUN_TOOLS := pm-scene pm-ground pm-lift pm-material pm-candidates pm-simulate pm-render pm-screen pm-report $(if $(ERROR),pm-eval)
 # $(call built,TOOLS): what a rule that runs TOOLS waits for.
 built = $(filter $(1:%=$(BIN)/%),$(BUILT_TOOLS))
 

@@ -62,6 +62,16 @@ std::string Provenance::sha256_of(const std::string& path) const {
 
 std::string sha256_of_record(const std::string& path, bool* has_runtime) {
   if (has_runtime != nullptr) *has_runtime = false;
+  if (fs::path(path).extension() == ".html") {
+    std::string text = read_file(path);
+    for (size_t start; (start = text.find(kPageRuntime[0])) != std::string::npos;) {
+      const size_t end = text.find(kPageRuntime[1], start);
+      if (end == std::string::npos) break;
+      text.erase(start, end + kPageRuntime[1].size() - start);
+      if (has_runtime != nullptr) *has_runtime = true;
+    }
+    return sha256_text(text);
+  }
   if (fs::path(path).extension() == ".json") {
     const std::string text = read_file(path);
     // Most have none, and are not parsed for that.

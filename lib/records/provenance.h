@@ -4,7 +4,9 @@
 #ifndef PHYSMAS_RECORDS_PROVENANCE_H
 #define PHYSMAS_RECORDS_PROVENANCE_H
 
+#include <array>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -30,8 +32,11 @@ struct Provenance {
   std::string sha256_of(const std::string& path) const;
 };
 
-// The SHA-256 of a JSON record as it would be without its `runtime`, so that equal inputs give equal hashes; of the
-// file itself where it has none or is no JSON object. has_runtime, if given: whether there was one.
+// What of a page is its run time stands between these.
+inline constexpr std::array<std::string_view, 2> kPageRuntime = {"<!--runtime-->", "<!--/runtime-->"};
+
+// The SHA-256 of a JSON record or a page as it would be without its `runtime`, so that equal inputs give equal hashes;
+// of the file itself where it has none or is no JSON object. has_runtime, if given: whether there was one.
 std::string sha256_of_record(const std::string& path, bool* has_runtime = nullptr);
 
 // What an artifact's provenance names, with paths as it has them. record: of an HDF5 file, "state". Empty for records

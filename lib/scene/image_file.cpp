@@ -49,21 +49,25 @@ Image image_of(const cv::Mat& m) {
   return image;
 }
 
-std::string encode(const cv::Mat& pixels) {
+// type: ".png" or ".jpg".
+std::string encode(const cv::Mat& pixels, const char* type, const std::vector<int>& parameters) {
   std::vector<uint8_t> bytes;
-  // Stated, so that a change of OpenCV's defaults does not change our bytes.
-  const std::vector<int> parameters = {cv::IMWRITE_PNG_COMPRESSION, 4, cv::IMWRITE_PNG_STRATEGY,
-                                       cv::IMWRITE_PNG_STRATEGY_DEFAULT};
   // A picture of ours can be encoded, unless there is no memory; OpenCV's libraries would print a line of their own
   // then.
   const ForeignLines kept;
   bool encoded = false;
   try {
-    encoded = cv::imencode(".png", pixels, bytes, parameters);
+    encoded = cv::imencode(type, pixels, bytes, parameters);
   } catch (const cv::Exception&) {
   }
   if (!encoded) throw out_of_memory();
   return std::string(bytes.begin(), bytes.end());
+}
+
+// Stated, so that a change of OpenCV's defaults does not change our bytes.
+std::string encode(const cv::Mat& pixels) {
+  return encode(pixels, ".png",
+                {cv::IMWRITE_PNG_COMPRESSION, 4, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_DEFAULT});
 }
 
 // The caption, or as much of it as fits into `width` pixels, ending in dots.
@@ -171,6 +175,10 @@ std::string encode_png(const Image& image) {
 
 std::string encode_png(int width, int height, const std::vector<uint16_t>& levels) {
   return encode(cv::Mat(height, width, CV_16UC1, const_cast<uint16_t*>(levels.data())));
+}
+
+std::string encode_jpeg(const Image& image, int quality) {
+  return encode(swap_red_and_blue(view(image)), ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
 }
 
 bool save_png(const std::string& path, const Image& image) {

@@ -16,6 +16,9 @@ std::string encode_png(const Image& image);
 // The same for a grey image of 16 bits. levels: [H * W].
 std::string encode_png(int width, int height, const std::vector<uint16_t>& levels);
 
+// The bytes of a JPEG of 1 or 3 channels, for pages. quality: 0..100.
+std::string encode_jpeg(const Image& image, int quality);
+
 // Writes a PNG of 1, 3 or 4 channels. Atomic; the same pixels give the same bytes. Returns whether the file changed.
 // Throws an Error (exit code 3) when the file cannot be written.
 bool save_png(const std::string& path, const Image& image);

@@ -20,9 +20,9 @@ namespace physmas::screen {
 namespace {
 
 // Files of a run that other records name by their bare name, with the record of the HDF5 ones.
-const std::map<std::string, std::string> kOwnFiles = {{"inventory.json", ""}, {"plan.json", ""},
-                                                      {"evidence.json", ""},  {"masks.h5", "masks"},
-                                                      {"state.h5", "state"},  {"final.mp4", ""}};
+const std::map<std::string, std::string> kOwnFiles = {
+    {"inventory.json", ""}, {"plan.json", ""}, {"evidence.json", ""}, {"masks.h5", "masks"},
+    {"state.h5", "state"},  {"final.mp4", ""}, {"best.mp4", ""}};
 
 // Nothing where the exchange contradicts its own hashes.
 std::string hash_of_exchange(const std::string& path) {
@@ -50,6 +50,7 @@ class Auditor {
     audit_.root_sha256 = sha256_file(has_accepted ? accepted : in_run(screen));
     if (!screen.empty()) follow_record(screen);
     if (has_accepted) follow_record("accepted.json");
+    if (exists(in_run("report.json"))) follow_record("report.json");
     try {
       if (!screen.empty()) compare_decision(screen, has_accepted);
     } catch (const Error& e) {

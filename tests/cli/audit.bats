@@ -35,7 +35,7 @@ open(sys.argv[1], "wb").write(data)' "$@"
 # The files that the audit must know: all that a run makes, but requests, facts for make, and what is itself a root or has no record.
 recorded() {
   find run -type f -not -path 'run/.stamps/*' -printf '%P\n' >files
-  grep -vE '\.mk$|^(settings|changes|request|source|models|ground-models|accepted.json)$|^inputs/|^bundle/scene.json$' files >chosen
+  grep -vE '\.mk$|^(settings|changes|request|source|models|ground-models|(accepted|report).json)$|^inputs/|^bundle/scene.json$' files >chosen
   sort chosen
 }
 

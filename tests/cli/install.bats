@@ -12,7 +12,7 @@ setup() {
   cd "$BATS_TEST_TMPDIR"
 }
 
-tools=(pm-scene pm-ground pm-lift pm-material pm-candidates pm-simulate pm-render pm-screen pm-eval)
+tools=(pm-scene pm-ground pm-lift pm-material pm-candidates pm-simulate pm-render pm-screen pm-report pm-eval)
 
 subcommands() { # TOOL
   "$bin/$1" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]\+\) .*/\1/p'

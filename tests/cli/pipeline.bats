@@ -41,7 +41,7 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
 @test "pipeline: a new tau screens again and does nothing else" {
   run_make SET=screening.tau=0.5 >log
   stages <log
-  [ "$(stages <log | sort -u | tr '\n' ' ')" = "screen round0 spec " ]
+  [ "$(stages <log | sort -u | tr '\n' ' ')" = "report report screen round0 spec " ]
   grep -q '"tau": 0.5' run/screen/round0.json
 }
 
@@ -49,7 +49,7 @@ stages() { sed -nE "/^Accepted|^Nothing/q; s#^  ([a-z]+) +$PWD/run/(.*/)?([a-z0-
   sed -i -E '0,/"rho": [0-9.]+/s//"rho": 1234/' run/candidates/support-stiff.json
   run_make >log
   cat log; stages <log
-  [ "$(stages <log | tr '\n' ' ')" = "simulate support-stiff render support-stiff screen round0 " ]
+  [ "$(stages <log | tr '\n' ' ')" = "simulate support-stiff render support-stiff screen round0 report report " ]
 }
 
 @test "pipeline: the picture: DEFAULTS and CAMERA rerun videos, and change no verdict" {

@@ -151,7 +151,7 @@ J
 
 @test "lift: a view whose masks contradict the others does not count, and is named; one without masks does not count either" {
   make_bundle
-  copy_bundle
+  cd "$BATS_TEST_TMPDIR"
   "$(bin)/pm-scene" synth "$BATS_FILE_TMPDIR/toy.json" --out scene --true-masks
   accuracy() { # MASKS
     rm -rf run

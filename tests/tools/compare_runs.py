@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Compares two folders of runs: every file, JSON records without their `runtime`, without what make notes in .stamps.
+"""Compares two folders of runs: every file, JSON records and pages without their `runtime`, without what make notes in .stamps.
 
     compare_runs.py A B    prints what differs; exit code 1 where anything does
 """
 import json
 import os
+import re
 import sys
 
 
@@ -27,6 +28,8 @@ def content(path):
         document = json.loads(data)
         document.pop("runtime", None)
         return document
+    if path.endswith(".html"):
+        return re.sub(rb"<!--runtime-->.*?<!--/runtime-->", b"", data, flags=re.S)
     return data
 
 

@@ -1,0 +1,57 @@
+// pm-report: the page of a run, and a page of many runs.
+#include "base/command_line.h"
+#include "base/error.h"
+#include "base/file.h"
+#include "report/run_report.h"
+
+using namespace physmas;
+
+int main(int argc, char** argv) {
+  report::ReportOptions options;
+  std::vector<std::string> runs;
+  std::string index_out;
+  double viewer = 3, videos = 3;
+  Command index;
+  const auto is_html = [](const std::string& path) {
+    return path.size() > 5 && path.substr(path.size() - 5) == ".html" ? std::string()
+                                                                      : "expected a name that ends in .html";
+  };
+  ToolMain tool;
+  tool.name = "pm-report";
+  tool.description = "Writes the page of a run: its video, what was tried, why, and how to do it again; one file.";
+  tool.footer =
+      "Example: pm-report --run runs/demo --out runs/demo/report.html\n"
+      "         pm-report index runs/batch/cake runs/batch/lamp --out runs/batch/index.html\n"
+      "Reads the records in a run's folder (physmas/scene, inventory, plan, state, evidence, round, candidate, "
+      "execution, render, screen,\n"
+      "cameras, rollout) and its videos; writes the page and physmas/report/1 beside it.";
+  tool.options = [&](Command app) {
+    app.add_option("--run", options.run, "Folder of a run, finished or not (required)").type_name("DIR");
+    app.add_option("--out", options.out, "Page to write, .html; report.html in the run's folder when absent")
+        .check(is_html)
+        .type_name("FILE");
+    app.add_option("--viewer", viewer, "Megabytes that the 3D viewer's stream may take; 0: no viewer")
+        .between(0.0, 500.0)
+        .capture_default_str();
+    app.add_option("--videos", videos,
+                   "Megabytes that the candidates' videos may take together; others are played from the run's folder")
+        .between(0.0, 500.0)
+        .capture_default_str();
+    index = app.add_subcommand("index", "A page with a row per run");
+    index.add_option("RUN", runs, "Folders of runs").required();
+    index.add_option("--out", index_out, "Page to write, .html").required().check(is_html);
+  };
+  tool.work = [&](const CommonOptions&) {
+    if (index.parsed()) {
+      report::write_run_index(runs, index_out);
+      return static_cast<int>(ExitCode::done);
+    }
+    if (options.run.empty()) throw Error(ExitCode::usage, "--run is required; see pm-report --help");
+    if (options.out.empty()) options.out = join_path(options.run, "report.html");
+    options.viewer_bytes = static_cast<size_t>(viewer * 1e6);
+    options.candidate_bytes = static_cast<size_t>(videos * 1e6);
+    report::write_run_report(options);
+    return static_cast<int>(ExitCode::done);
+  };
+  return run_tool(argc, argv, tool);
+}
