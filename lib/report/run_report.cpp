@@ -126,7 +126,7 @@ class Report {
     } else if (run_.accepted.empty()) {
       why = "<p><b>No candidate was admitted.</b> " + escaped(run_.screen->reason) + ".</p>\n";
       if (run_.shown != nullptr && run_.shown->screened != nullptr) {
-        why += "<p>The best, " + escaped(plain_id(run_.shown->candidate.id)) + ", was refused because:</p>\n<ul>";
+        why += "<p>Shown is the best that has a video, <b>" + escaped(plain_id(run_.shown->candidate.id)) + "</b>. It was refused because:</p>\n<ul>";
         for (const ScreenedCandidate::Gate& gate : run_.shown->screened->gates) {
           if (!gate.passed) why += "<li><b>" + escaped(gate.name) + "</b>: " + escaped(gate.advice) + "</li>";
         }
