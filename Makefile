@@ -244,9 +244,10 @@ ifneq ($(filter pictures,$(MAKECMDGOALS)),)
   include docs/pictures.mk
 endif
 
-.PHONY: demo run audit batch batch-status evaluate evaluate-register pictures
+.PHONY: demo run preview audit batch batch-status evaluate evaluate-register pictures
 demo: run-finished ## Install, build, run the example EXAMPLE=cake end to end, say where the video is
 run: run-finished ## Run your own file: GAUSSIANS=scene.ply PROMPT="..." [UP=z] [RUN=runs/name] [SET="key=value ..."]
+preview: run-previewed ## See before you wait: views, parts, plan and materials of a run on a page, with its variables: [OPEN=1]
 audit: run-audited ## Compare a finished run with what its records name: [RUN=runs/demo]
 evaluate: evaluate-finished ## Run the registered benchmark and print its tables: [CASES="cake lamp"] [EVALUATE=runs/evaluate]
 evaluate-register: $(BIN)/pm-eval ## Register the benchmark's files as they are now, in examples/suite.sha256

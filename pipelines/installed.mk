@@ -34,9 +34,10 @@ SAME_MAKE := -f $(THIS_FILE)
 .DEFAULT_GOAL := help
 include $(firstword $(wildcard $(addprefix $(dir $(THIS_FILE)),runs.mk pipelines/runs.mk)))
 
-.PHONY: demo run audit batch batch-status evaluate help
+.PHONY: demo run preview audit batch batch-status evaluate help
 demo: run-finished ## Run the example EXAMPLE=cake end to end, say where the video is
 run: run-finished ## Run your own file: GAUSSIANS=scene.ply PROMPT="..." [UP=z] [RUN=runs/name] [SET="key=value ..."]
+preview: run-previewed ## See before you wait: views, parts, plan and materials of a run on a page, with its variables: [OPEN=1]
 audit: run-audited ## Compare a finished run with what its records name: [RUN=runs/demo]
 evaluate: evaluate-finished ## Run the registered benchmark and print its tables: [CASES="cake lamp"] [EVALUATE=runs/evaluate]
 batch: batch-finished ## Run many scenes and write one table: SCENES="cake my/scene.json ..." or SCENES=list.txt

@@ -1,5 +1,5 @@
-# The DAG of one run (paper, Algorithm 1). Included by runs.mk for the goals `run` and `demo`, and by batch.mk for every scene that it has
-# something to do for.
+# The DAG of one run (paper, Algorithm 1). Included by runs.mk for the goals `run`, `demo` and `preview`, and by batch.mk for every scene that it
+# has something to do for.
 #
 # RUN      the run's folder
 # Where the scene comes from, one of (inputs.mk):
@@ -248,7 +248,8 @@ $(foreach n,1 2,$(if $(filter repair,$(PM_DECISION$(LAST_ROUND))),$(eval $(call 
 NEXT := $(firstword $(filter-out $(KNOWN),$(foreach n,$(ROUNDS),$(filter %/round$(n).mk,$(FACTS)))))
 
 # `make -n` must not run anything, so it sees the graph only as far as it is known.
-ifneq ($(DRY),)
+# A preview ends before the candidates.
+ifneq ($(DRY)$(filter preview,$(MAKECMDGOALS)),)
   NEXT :=
 endif
 # A batch waits for the end of the run, too, where no fact is left to be learned.
@@ -290,6 +291,21 @@ $(STAMPS)/error: $(RUN)/spec/simulate.json $(RUN)/spec/render.json $(RUN)/state.
 	$(BIN)/pm-eval error --scene $< --view $(RUN)/spec/render.json --state $(RUN)/state.h5 --accepted $(RUN)/accepted.json \
 	  --out $(RUN)/error.json --threads $(threads) $(to_log)
 	$(finish)
+
+# --- Before a run -------------------------------------------------------------------------------------------------
+
+ifneq ($(filter preview,$(MAKECMDGOALS)),)
+PREVIEW := $(RUN)/preview.html $(RUN)/preview.png $(RUN)/preview.json
+$(STAMPS)/preview: $(RUN)/spec/ground.json $(RUN)/spec/render.json $(GROUNDED) $(RUN)/state.h5 $(RUN)/evidence.json $(call missing,$(PREVIEW)) | $(call built,pm-report)
+	$(call stage,preview,$(RUN)/preview.html)
+	@$(call job,$(@F),$(threads),$(job_inputs),$(PREVIEW),$@.log) $(BIN)/pm-report preview --run $(RUN) --out $(RUN)/preview.html --threads $(threads)
+	$(finish)
+
+.PHONY: run-previewed
+run-previewed: $(STAMPS)/preview
+	@rm -f $(STAMPS)/work; printf '  page     %s\n  picture  %s\n' $(RUN)/preview.html $(RUN)/preview.png
+	@$(if $(OPEN),xdg-open $(RUN)/preview.html >/dev/null 2>&1 || { echo "xdg-open cannot open $(RUN)/preview.html" >&2; exit 1; })
+endif
 
 # The page of the run. What was asked for is shown in it.
 $(STAMPS)/report: $(RUN)/screen/round$(LAST_ROUND).json $(if $(filter fail,$(PM_DECISION$(LAST_ROUND))),$(STAMPS)/best) \

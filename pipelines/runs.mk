@@ -21,7 +21,7 @@ RUN_TOOLS := pm-scene pm-ground pm-lift pm-material pm-candidates pm-simulate pm
 # $(call built,TOOLS): what a rule that runs TOOLS waits for.
 built = $(filter $(1:%=$(BIN)/%),$(BUILT_TOOLS))
 
-ifneq ($(filter demo run batch batch-status evaluate audit,$(MAKECMDGOALS)),)
+ifneq ($(filter demo run preview batch batch-status evaluate audit,$(MAKECMDGOALS)),)
   EXECUTOR ?= local
   EXECUTORS := $(sort $(patsubst $(PIPELINES)executors/%.mk,%,$(wildcard $(PIPELINES)executors/*.mk)))
   EXECUTOR_FILE := $(if $(filter %.mk,$(EXECUTOR)),$(wildcard $(EXECUTOR)), \
@@ -54,7 +54,7 @@ ifneq ($(filter demo,$(MAKECMDGOALS)),)
   RUN ?= runs/demo$(patsubst %,-%,$(filter-out cake,$(EXAMPLE)))
   override EXAMPLE := $(or $(EXAMPLE),cake)
 endif
-ifneq ($(filter run,$(MAKECMDGOALS)),)
+ifneq ($(filter run preview,$(MAKECMDGOALS)),)
   # The run is called after the scene: "my scans/Stuhl (1).compressed.ply" -> runs/Stuhl-1.
   run_name = $(if $(call is_plain,$(1)),$(notdir $(1:%/=%)),$(shell basename -- $(quoted) | LC_ALL=C sed -E 's/[^[:alnum:]._-]+/-/g; s/-+(\.|$$)/\1/g; s/^-+//'))
   RUN ?= runs/$(or $(EXAMPLE),$(subst .compressed,,$(basename $(call run_name,$(or $(value GAUSSIANS),$(patsubst %/scene.json,%,$(value SCENE)))))),run)
@@ -65,12 +65,12 @@ ifneq ($(filter run,$(MAKECMDGOALS)),)
       earlier := $(if $(wildcard $(RUN)/source),$(shell sed -n '1s/^SCENE=//p' $(RUN)/source))
     endif
     ifeq ($(earlier),)
-      $(error make run needs GAUSSIANS=file.ply PROMPT="...", EXAMPLE=name, SCENE=scene.json, or the RUN= of an earlier run)
+      $(error make $(firstword $(filter run preview,$(MAKECMDGOALS))) needs GAUSSIANS=file.ply PROMPT="...", EXAMPLE=name, SCENE=scene.json, or the RUN= of an earlier run)
     endif
     override SCENE := $(earlier)
   endif
 endif
-ifneq ($(filter demo run,$(MAKECMDGOALS)),)
+ifneq ($(filter demo run preview,$(MAKECMDGOALS)),)
   # The batch has others (batch.mk).
   FINISHED := run-finished
   ended = @exit $(1)

@@ -1,5 +1,5 @@
 # Whether the variables of one scene go together and name what is there: `refuse` says what does not. Included by variables.mk for
-# the goals `run` and `demo`, and by batch.mk for every scene.
+# the goals `run`, `demo` and `preview`, and by batch.mk for every scene.
 
 # A batch's scenes have their sources in its list.
 ifneq ($(check_sources),)

@@ -1,4 +1,4 @@
-# The variables of `make run`, `demo`, `audit`, `batch`, `batch-status` and `evaluate`, and what they name: no variable is ignored. One that nobody
+# The variables of `make run`, `demo`, `preview`, `audit`, `batch`, `batch-status` and `evaluate`, and what they name: no variable is ignored. One that nobody
 # knows, that another excludes, or whose file is not there ends make in one line, before a folder is made. Included by
 # runs.mk, which gives EXAMPLES and PIPELINES.
 
@@ -11,8 +11,8 @@ CALL_VARIABLES := THREADS EXECUTOR BIN $(EXECUTOR_VARIABLES) $(BUILD_VARIABLES)
 # What a scene of a batch may have beside its source.
 RUN_VARIABLES := THREADS $(IMPORT_VARIABLES) $(SCENE_VARIABLES)
 KNOWN_VARIABLES := $(CALL_VARIABLES) \
-  $(if $(filter run demo,$(MAKECMDGOALS)),RUN $(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) \
-  $(if $(filter audit,$(MAKECMDGOALS)),RUN) \
+  $(if $(filter run demo preview,$(MAKECMDGOALS)),RUN $(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) \
+  $(if $(filter audit,$(MAKECMDGOALS)),RUN) $(if $(filter preview,$(MAKECMDGOALS)),OPEN) \
   $(if $(filter batch,$(MAKECMDGOALS)),SCENES BATCH $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) \
   $(if $(filter batch-status,$(MAKECMDGOALS)),BATCH EVERY) \
   $(if $(filter evaluate,$(MAKECMDGOALS)),SUITE CASES EVALUATE)
@@ -58,8 +58,8 @@ ifneq ($$(call file_named,$(1)),)
 endif
 endef
 
-ifneq ($(filter run demo batch,$(MAKECMDGOALS)),)
-  check_sources := $(filter run demo,$(MAKECMDGOALS))
+ifneq ($(filter run demo preview batch,$(MAKECMDGOALS)),)
+  check_sources := $(filter run demo preview,$(MAKECMDGOALS))
   include $(PIPELINES)scene-variables.mk
 endif
 

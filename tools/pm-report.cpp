@@ -2,6 +2,7 @@
 #include "base/command_line.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "report/preview.h"
 #include "report/run_report.h"
 
 using namespace physmas;
@@ -11,7 +12,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> runs;
   std::string index_out;
   double viewer = 3, videos = 3;
-  Command index;
+  report::PreviewOptions preview_options;
+  Command index, preview;
   const auto is_html = [](const std::string& path) {
     return path.size() > 5 && path.substr(path.size() - 5) == ".html" ? std::string()
                                                                       : "expected a name that ends in .html";
@@ -21,6 +23,7 @@ int main(int argc, char** argv) {
   tool.description = "Writes the page of a run: its video, what was tried, why, and how to do it again; one file.";
   tool.footer =
       "Example: pm-report --run runs/demo --out runs/demo/report.html\n"
+      "         pm-report preview --run runs/demo\n"
       "         pm-report index runs/batch/cake runs/batch/lamp --out runs/batch/index.html\n"
       "Reads the records in a run's folder (physmas/scene, inventory, plan, state, evidence, round, candidate, "
       "execution, render, screen,\n"
@@ -37,6 +40,13 @@ int main(int argc, char** argv) {
                    "Megabytes that the candidates' videos may take together; others are played from the run's folder")
         .between(0.0, 500.0)
         .capture_default_str();
+    preview =
+        app.add_subcommand("preview", "The page before the candidates: views, parts, plan, and a way to mark parts");
+    preview.add_option("--run", preview_options.run, "Folder of a run that was grounded").type_name("DIR").required();
+    preview
+        .add_option("--out", preview_options.out, "Page to write, .html; preview.html in the run's folder when absent")
+        .check(is_html)
+        .type_name("FILE");
     index = app.add_subcommand("index", "A page with a row per run");
     index.add_option("RUN", runs, "Folders of runs").required();
     index.add_option("--out", index_out, "Page to write, .html").required().check(is_html);
@@ -44,6 +54,11 @@ int main(int argc, char** argv) {
   tool.work = [&](const CommonOptions&) {
     if (index.parsed()) {
       report::write_run_index(runs, index_out);
+      return static_cast<int>(ExitCode::done);
+    }
+    if (preview.parsed()) {
+      if (preview_options.out.empty()) preview_options.out = join_path(preview_options.run, "preview.html");
+      report::write_preview(preview_options);
       return static_cast<int>(ExitCode::done);
     }
     if (options.run.empty()) throw Error(ExitCode::usage, "--run is required; see pm-report --help");

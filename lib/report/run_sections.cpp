@@ -224,7 +224,7 @@ std::string parts_section(const RunRecords& run, const Gaussians* gaussians) {
         if (c.key == row.key()) material = &c;
       }
     }
-    const std::string file = run.shown != nullptr ? "candidates/" + run.shown->candidate.id + ".json" : "";
+    const std::string file = run.shown != nullptr ? "candidates/" + run.shown->candidate.id + ".json" : "evidence.json";
     const auto number = [&](const std::string& text) { return file_link(file, text); };
     html += fmt::format("<tr><th scope=\"row\">{}{}<small>{}</small></th><td class=\"n\">{}</td>",
                         swatch(static_cast<int>(r), row.residual), escaped(row.name.empty() ? row.part : row.name),
@@ -235,11 +235,16 @@ std::string parts_section(const RunRecords& run, const Gaussians* gaussians) {
                           kLabels[static_cast<size_t>(material != nullptr ? material->label : evidence->label)].name,
                           100 * evidence->confidence)
             : "<td>–</td>";
-    html += material != nullptr
-                ? fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
-                              number(with_prefix(material->E, "Pa")), number(fmt::format("{:.3g}", material->nu)),
-                              number(fmt::format("{:.4g} kg/m³", material->rho)))
-                : "<td>–</td><td>–</td><td>–</td>";
+    // Without a candidate, what the evidence says.
+    const int label = material != nullptr ? material->label : evidence != nullptr ? evidence->label : -1;
+    const double E = material != nullptr ? material->E : evidence != nullptr ? std::pow(10, evidence->log10_E) : 0;
+    const double nu = material != nullptr ? material->nu : evidence != nullptr ? evidence->nu : 0;
+    html += label >= 0 ? fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
+                                     number(with_prefix(E, "Pa")), number(fmt::format("{:.3g}", nu)),
+                                     number(fmt::format("{:.4g} kg/m³", material != nullptr
+                                                                            ? material->rho
+                                                                            : kLabels[static_cast<size_t>(label)].rho)))
+                       : "<td>–</td><td>–</td><td>–</td>";
     html += fmt::format(
         "<td>{}</td></tr>\n",
         evidence != nullptr ? evidence_text(*evidence) + " " + file_link("evidence.json", "all of it") : "–");

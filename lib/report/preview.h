@@ -1,0 +1,21 @@
+// The page before the waiting: the four views with what was understood of them, and a way to say it better.
+#ifndef PHYSMAS_REPORT_PREVIEW_H
+#define PHYSMAS_REPORT_PREVIEW_H
+
+#include <string>
+
+namespace physmas::report {
+
+struct PreviewOptions {
+  std::string run;  // the run's folder, grounded; with lifting and materials as far as they are there
+  std::string out;  // .html; a picture .png and the record .json go beside it
+};
+
+// Writes the page: views with axes, floor, box and arrows for every action, parts in colours, the plan in words and
+// materials as assumed. On it a person marks parts with polygons; it saves an inventory for INVENTORY=. Errors (exit
+// code 3) as load_run, and where nothing was grounded yet.
+void write_preview(const PreviewOptions& options);
+
+}  // namespace physmas::report
+
+#endif

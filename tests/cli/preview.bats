@@ -1,0 +1,65 @@
+#!/usr/bin/env bats
+# make preview: the page before the waiting, and a part that is marked on it.
+bats_require_minimum_version 1.5.0
+load common
+load coarse
+
+setup_file() {
+  cd "$BATS_FILE_TMPDIR" || return 1
+  make_coarse_scene
+  run_make preview GAUSSIANS=bundle/gaussians.ply PROMPT='it <script>alert(1)</script> falls' UP=z SPEC=spec.json RUN=run >log 2>&1
+}
+setup() { cd "$BATS_FILE_TMPDIR" || return 1; }
+
+@test "preview: page, picture and record, and none of what takes time" {
+  grep -q 'page     run/preview.html' log
+  [ -s run/preview.png ]
+  grep -q '"decision": "preview"' run/preview.json
+  [ ! -e run/candidates ]
+  [ "$(grep -o '<script' run/preview.html | wc -l)" -eq 2 ]
+  refute grep -q '<script>alert' run/preview.html
+  refute grep -qE '(src|href)="?(http|//)' run/preview.html
+  # Axes, floor, box, up and front in each of four views.
+  for kind in ax ay az floor box up front; do [ "$(grep -o "class=\"$kind\"" run/preview.html | wc -l)" -ge 4 ]; done
+}
+
+@test "preview: a second call does nothing, another prompt writes the page again, and a run goes on from it" {
+  again() { run_make preview GAUSSIANS=bundle/gaussians.ply UP=z SPEC=spec.json RUN=again "$@" 2>/dev/null; }
+  again PROMPT='it falls' >/dev/null
+  fingerprint again >before
+  refute grep -q . <(again PROMPT='it falls' | grep -vE '^  (page|picture) ')
+  fingerprint again >after
+  cmp before after
+  again PROMPT='someone pushes it to the left' >out
+  grep -q preview out
+  grep -q 'class="act' again/preview.html
+  run_make run GAUSSIANS=bundle/gaussians.ply UP=z SPEC=spec.json RUN=again PROMPT='someone pushes it to the left' >out 2>/dev/null
+  refute grep -qE '^  (ground|lift|material) ' out
+  grep -q '^Accepted' out
+}
+
+@test "preview: what was not grounded is refused, and a variable that it has not" {
+  mkdir -p bare
+  cp -r run/spec run/bundle bare
+  fails_with 3 "$bin/pm-report" preview --run bare -- "no inventory.json"
+  [ ! -e bare/preview.html ]
+  fails_with 2 "$bin/pm-report" preview -- --run
+  run run_make preview SCENE=bundle/scene.json RUN=x SCENES=y
+  [ "$status" -eq 2 ]
+  [[ "$output" = *"has no variable SCENES"* ]]
+}
+
+@test "preview: a part marked in Chromium is one of the next run's parts" {
+  python3 "$root/tests/tools/browser.py" || skip "no Chromium: apt-get install chromium"
+  SCREENSHOTS=${SCREENSHOTS:-} python3 "$root/tests/tools/preview_page.py" run/preview.html marked
+  run_make preview GAUSSIANS=bundle/gaussians.ply PROMPT='it falls' UP=z SPEC=spec.json INVENTORY=marked/marked-inventory.json RUN=parts >out 2>&1
+  python3 - <<'P'
+import json
+rows = json.load(open("parts/inventory.json"))["rows"]
+assert [r["part"] for r in rows if r["name"] == "the <b>head</b>"] == ["the-b-head-b"], rows
+labels = {r["key"]: (r["gaussians"], r["label"]) for r in json.load(open("parts/evidence.json"))["rows"]}
+print(labels)
+marked = next(v for k, v in labels.items() if k.endswith("/the-b-head-b"))
+assert marked[0] > 20 and marked[1] == "Rubber", labels
+P
+}

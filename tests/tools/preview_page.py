@@ -1,0 +1,89 @@
+"""The page of make preview in a headless Chromium: preview_page.py PAGE FOLDER. Marks a part in every view by clicks and by a
+stroke; FOLDER gets marked-inventory.json as the page saves it."""
+
+import json
+import os
+import pathlib
+import sys
+import tempfile
+import time
+
+from browser import PATIENCE, Browser, find_chromium
+
+PAGE, FOLDER = (os.path.abspath(a) for a in sys.argv[1:3])
+# In fractions of a view: the outline that is clicked, and drawn.
+OUTLINE = [(0.2, 0.05), (0.8, 0.05), (0.8, 0.45), (0.2, 0.45)]
+
+
+def mouse(browser, kind, x, y):
+    browser.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=0 if kind == "mouseReleased" else 1, clickCount=1)
+
+
+def mark(browser, view, stroke):
+    selector = f".view[data-view={json.dumps(view)}] .over"
+    box = browser.evaluate(f"(() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: 'center'}});"
+                           " const r = e.getBoundingClientRect(); return [r.x, r.y, r.width, r.height]; })()")
+    points = [(box[0] + u * box[2], box[1] + v * box[3]) for u, v in OUTLINE]
+    if stroke:
+        mouse(browser, "mousePressed", *points[0])
+        for (x, y), (u, v) in zip(points, points[1:] + points[:1]):
+            for k in range(1, 6):
+                mouse(browser, "mouseMoved", x + (u - x) * k / 5, y + (v - y) * k / 5)
+        mouse(browser, "mouseReleased", *points[0])
+    else:
+        for x, y in points:
+            mouse(browser, "mousePressed", x, y)
+            mouse(browser, "mouseReleased", x, y)
+        # One too many, and taken away.
+        mouse(browser, "mousePressed", box[0] + 2, box[1] + 2)
+        mouse(browser, "mouseReleased", box[0] + 2, box[1] + 2)
+        browser.key("Backspace")
+        browser.key("Enter", "\r")
+
+
+def main():
+    os.makedirs(FOLDER, exist_ok=True)
+    shots = os.environ.get("SCREENSHOTS")
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        browser = Browser(find_chromium(), profile)
+        try:
+            for width, height, dark in ((390, 844, True), (1280, 800, False)):
+                browser.open(pathlib.Path(PAGE).as_uri(), width, height, touch=width < 500, dark=dark)
+                assert browser.evaluate("document.documentElement.scrollWidth") <= width
+                if shots:
+                    browser.screenshot(os.path.join(shots, f"preview-{width}-{'dark' if dark else 'light'}.png"))
+            browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=FOLDER)
+            assert browser.evaluate("[...document.querySelectorAll('img, button, input, select')].every(e => e.alt || e.textContent.trim() || e.getAttribute('aria-label'))")
+            browser.click(".switch [data-show=labels]")
+            assert browser.evaluate("getComputedStyle(document.querySelector('.labels')).opacity") == "1"
+            before = browser.evaluate("parts.length")
+            browser.evaluate("document.querySelector('#editor .row button').click()")
+            browser.call("Input.insertText", text="the <b>head</b>")
+            browser.evaluate("document.activeElement.blur()")
+            browser.evaluate("(s => { s.value = 'Rubber'; s.dispatchEvent(new Event('change')); })(document.querySelector('#editor .part:last-child select'))")
+            views = browser.evaluate("views.map(v => v.dataset.view)")
+            for k, view in enumerate(views):
+                mark(browser, view, stroke=k % 2 == 1)
+            assert browser.evaluate("parts.length") == before + 1
+            assert browser.evaluate("Object.values(parts.at(-1).marks).map(m => m.length)") == [1] * len(views)
+            if shots:
+                browser.screenshot(os.path.join(shots, "preview-marked.png"))
+            browser.click("#save")
+            path = os.path.join(FOLDER, "marked-inventory.json")
+            end = time.monotonic() + PATIENCE
+            while not os.path.exists(path) and time.monotonic() < end:
+                time.sleep(0.05)
+            inventory = json.load(open(path))
+            row = inventory["rows"][-1]
+            assert row["name"] == "the <b>head</b>" and row["part"] == "the-b-head-b" and row["expected_labels"] == ["Rubber"], row
+            first = row["hints"]["regions"][views[0]][0]
+            assert len(first) == 4 and all(abs(a - b) < 0.01 for p, q in zip(first, OUTLINE) for a, b in zip(p, q)), first
+            assert len(row["hints"]["regions"][views[1]][0]) >= 8
+            others = [a for a in browser.requested() if not a.startswith((pathlib.Path(PAGE).as_uri(), "blob:", "data:"))]
+            assert others == [], others
+            assert browser.complaints() == [], browser.complaints()
+        finally:
+            browser.close()
+
+
+main()
