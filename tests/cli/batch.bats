@@ -85,3 +85,90 @@ LIST
   [ "$status" -ne 0 ]
   [[ $output = *"sunflowr is no example and no file"* ]]
 }
+
+@test "batch: 500 scenes with nothing to do say so within two seconds, and what changed is found" {
+  cd "$BATS_TEST_TMPDIR"
+  cp -r "$BATS_FILE_TMPDIR/good" proto
+  run_installed() { env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -f "$root/pipelines/installed.mk" BIN="$bin" batch BATCH=batch SET="screening.rounds=1 screening.initial=2 screening.tau=-9 time.frames=2" "$@"; }
+  run_installed SCENES=proto/scene.json >log 2>&1
+  # Copies with the same times, as if each had been run.
+  for i in {1..500}; do
+    cp -a proto "s$i"
+    cp -a batch/proto "batch/s$i"
+    sed -i "s#/proto\([/.]\|\$\)#/s$i\1#" "batch/s$i/source"
+    sed "s#/proto\t#/s$i\t#; s#/proto/#/s$i/#; s#\tproto\t#\ts$i\t#; s#\tproto\$#\ts$i#; s#proto/scene.json#s$i/scene.json#; s#/proto\$#/s$i#" batch/proto/.stamps/settled >"batch/s$i/.stamps/settled"
+    # Its own files have other times than those of the copy that sed wrote.
+    file=$(stat -c '%s' "batch/s$i/source") time=$(find "batch/s$i/source" -printf '%T@')
+    sed -i "s#^file\ts$i\tsource\t.*#file\ts$i\tsource\t$file\t$time#" "batch/s$i/.stamps/settled"
+    echo "s$i/scene.json"
+  done >list.txt
+  run_installed SCENES=list.txt >log 2>&1
+  grep -q '^Nothing to do: 500 of 500 scenes are up to date' log
+  [ "$(wc -l <batch/table.tsv)" -eq 501 ]
+  # Processor time, since other tests may run beside it.
+  TIMEFORMAT='%U %S'
+  { time run_installed SCENES=list.txt >log 2>&1; } 2>spent
+  grep -q '^Nothing to do: 500 of 500' log
+  cat spent
+  awk '{ exit !($1 + $2 < 2) }' spent
+  # A file of a run, one of a source, and what is asked for.
+  touch batch/s7/candidates/round0.json
+  touch s9/gaussians.ply
+  rm batch/s11/final.mp4
+  sed -i 's#^s13/scene.json#& "SET=screening.rounds=1 screening.initial=2 screening.tau=9 time.frames=2"#' list.txt
+  run_installed SCENES=list.txt >log 2>&1
+  grep -q '^496 of 500 scenes are up to date' log
+  [ "$(grep -cE 'batch/s(7|9|11)$' log)" -eq 3 ]
+  [ -s batch/s11/final.mp4 ]
+  grep -q '^s13	none admitted' batch/table.tsv
+}
+
+@test "batch: no scene is in its second round before all have ended their first" {
+  cd "$BATS_TEST_TMPDIR"
+  mkdir tools
+  for tool in "$bin"/pm-*; do
+    printf '#!/bin/bash\necho "%s $*" >>%q\nexec %q "$@"\n' "${tool##*/}" "$PWD/calls" "$tool" >"tools/${tool##*/}"
+  done
+  chmod +x tools/*
+  cp -r "$BATS_FILE_TMPDIR/good" one
+  cp -r "$BATS_FILE_TMPDIR/good" two
+  env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -f "$root/pipelines/installed.mk" BIN="$PWD/tools" batch SCENES="one/scene.json two/scene.json" BATCH=batch \
+    SET="screening.initial=1 screening.repairs=1 screening.rounds=2 screening.tau=9 time.frames=2" >log 2>&1
+  cat log
+  [ "$(grep -c 'pm-candidates .*--repair' calls)" -eq 2 ]
+  last=$(grep -n 'pm-screen .*--round 0' calls | tail -n 1 | cut -d: -f1)
+  first=$(grep -n 'pm-candidates .*--repair' calls | head -n 1 | cut -d: -f1)
+  [ "$last" -lt "$first" ]
+  grep -q '^two	none admitted	-	2	' batch/table.tsv
+}
+
+@test "batch: a scene whose variables do not go is a row, and stops no other" {
+  cd "$BATS_TEST_TMPDIR"
+  for name in one two three four; do cp -r "$BATS_FILE_TMPDIR/good" $name; done
+  cat >list.txt <<LIST
+$PWD/one/scene.json SPEC=nowhere.json
+$PWD/two/scene.json UP=z
+$PWD/three/scene.json THREADS=x
+$PWD/four/scene.json "SET=screening.initial=2 screening.rounds=1 screening.tau=-9 time.frames=2"
+LIST
+  run_batch BATCH="$PWD/batch" SCENES="$PWD/list.txt" >log 2>&1
+  cat log
+  grep -q '^one	failed	.*error: SPEC=nowhere.json is not there$' batch/table.tsv
+  grep -q '^two	failed	.*error: UP goes with GAUSSIANS=file: a bundle has its own; PROMPT, SPEC and SET change a run of it$' batch/table.tsv
+  grep -q '^three	failed	.*error: THREADS=x: expected a number$' batch/table.tsv
+  grep -q '^four	accepted	' batch/table.tsv
+}
+
+@test "batch: nodes whose processors differ in width are named" {
+  cd "$BATS_TEST_TMPDIR"
+  mkdir -p batch/{.live,a/.stamps}
+  echo a | tee batch/.live/scenes >batch/.live/to-do
+  echo 'n1 avx512 3' >batch/a/.stamps/simulate-soft.ran
+  echo 'n2 avx512 3' >batch/a/.stamps/render-soft.ran
+  BIN=$bin run bash "$root/pipelines/batch-table.sh" batch
+  [ "$status" -eq 0 ]
+  [[ $output != *width* ]]
+  echo 'n3 avx2 3' >batch/a/.stamps/render-hard.ran
+  BIN=$bin run bash "$root/pipelines/batch-table.sh" batch
+  [[ $output = *"differ in width (avx2 on n3, avx512 on n1, avx512 on n2): the last digits of their results may differ"*PM_KERNELS* ]]
+}
