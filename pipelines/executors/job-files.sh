@@ -24,17 +24,8 @@ token_in() {
   printf '%s' "$token"
 }
 
-# cancel NAME: the job, or the step of this allocation, that is called so.
-cancel() {
-  local id name
-  if [ -n "${SLURM_JOB_ID:-}" ]; then
-    while IFS='|' read -r id name; do
-      if [ "$name" = "$1" ]; then timeout 20 scancel "$id" || true; fi
-    done < <(timeout 20 squeue --steps --noheader --job "$SLURM_JOB_ID" --format '%i|%j')
-  else
-    timeout 20 scancel --quiet --user "$(id -un)" --name "$1" || true
-  fi
-} >/dev/null 2>&1
+# cancel NAME: the job or step that is called so, for as long as that takes, beside what goes on here.
+cancel() { setsid bash "${BASH_SOURCE[0]%/*}/slurm-cancel.sh" "$1" </dev/null >/dev/null 2>&1 & }
 
 # nap SECONDS: without a process.
 nap() { read -rt "$1" -u "$napping" || true; }

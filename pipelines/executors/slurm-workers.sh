@@ -22,7 +22,7 @@ submit() {
   if [ "$gpus" -gt 0 ]; then extra+=("--gres=gpu:$gpus"); fi
   # A job of its own, also inside of an allocation.
   array=$(unset "${!SLURM_JOB@}" "${!SLURM_STEP@}" "${!SLURM_TASK@}" SLURM_CPUS_PER_TASK SLURM_MEM_PER_NODE SLURM_MEM_PER_CPU MAKEFLAGS MFLAGS MAKELEVEL
-    timeout 60 sbatch --parsable --quiet --array="1-$count" --job-name="physmas-workers" --nodes=1 --ntasks=1 --cpus-per-task="$cores" --mem="${memory}M" \
+    timeout 60 sbatch --parsable --quiet --array="1-$count" --job-name="$(<"$queue/name")" --nodes=1 --ntasks=1 --cpus-per-task="$cores" --mem="${memory}M" \
       --time="$(((seconds + 59) / 60))" --requeue --open-mode=append --output="$queue/worker-%a.log" "${extra[@]}" --wrap "exec bash $(printf '%q %q' "$scripts/slurm-worker.sh" "$queue") $seconds") || return
   array=${array%%;*}
   echo "$array" >"$queue/array"
@@ -32,10 +32,11 @@ if [ "$count" = watch ]; then
   # In the place of a watch that was killed.
   array=$(<"$queue/array") count=$(<"$queue/count")
 else
-  if [ -e "$queue/array" ]; then timeout 20 scancel --quiet "$(<"$queue/array")" >/dev/null 2>&1; fi
+  if [ -e "$queue/name" ]; then (unset SLURM_JOB_ID; cancel "$(<"$queue/name")"); fi
   rm -rf -- "$queue"
   mkdir -p -- "$queue"/{new,todo,taken,done,lost} || exit 1
   echo "$count" >"$queue/count"
+  echo "physmas-workers:$HOSTNAME-$make-$(start_of "$make")" >"$queue/name"
   printf '%s %s %s\n' "$cores" "$memory" "$seconds" >"$queue/worker"
   submit 2>"$queue/refusal" || { cat -- "$queue/refusal"; exit 1; }
 fi
@@ -70,7 +71,7 @@ export make make_start queue count array
     done
     if [ -z "$running" ]; then submit; fi
   done
-  timeout 20 scancel --quiet "$(<"$queue/array")"
+  (unset SLURM_JOB_ID; cancel "$(<"$queue/name")")
   rm -rf -- "$queue"
 ) </dev/null >/dev/null 2>&1 &
 disown

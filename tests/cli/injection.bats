@@ -156,7 +156,7 @@ scene=(run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z RUN=run SPEC=sp
     tries refused list "$line" batch SCENES=list.txt
     refute grep -rq hunter2 --exclude=list.txt . "$BATS_TEST_TMPDIR/../output"
   done
-  # Values arrive in the nested make's tools as they are.
+  # Values arrive at the tools as they are.
   for text in '$(shell touch canary)' ';touch canary;`touch canary`' '$$(touch canary) "it"' '%:=#'; do
     printf "%s 'PROMPT=%s'\n" bundle/scene.json "${text//#/}" >list.txt
     tries unrun PROMPT "$text" batch SCENES=list.txt BATCH=batch
