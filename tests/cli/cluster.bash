@@ -53,9 +53,12 @@ run_slurm() { run_make EXECUTOR=slurm RESOURCES=resources PATIENCE=10 "$@"; }
 
 # What differs between two runs or batches beside what a batch notes about itself.
 same_results() { # A B
-  python3 "$root/tests/tools/compare_runs.py" "$1" "$2" | grep -vE '(table\.tsv|log\.txt|batch\.status|\.live/.*)$' >differences || true
-  cat differences
-  [ ! -s differences ]
+  local differences
+  [ -e "$1" ] || return 1
+  [ -e "$2" ] || return 1
+  differences=$(python3 "$root/tests/tools/compare_runs.py" "$1" "$2" | sed -E '/(table\.tsv|log\.txt|batch\.status|\.live\/.*)$/d')
+  echo "$differences"
+  [ -z "$differences" ]
 }
 
 # Nothing of a make that has ended is in the queue, on a node, or among the notes.

@@ -51,10 +51,12 @@ T
   grep -q -- '--cpus-per-task=5 --mem=2048M .*--time=62 --gres=gpu:2 --partition=long ' srun.log
   : >srun.log
   run job newstage newstage pm-x
+  [ "$status" -eq 2 ]
   grep -q -- '--cpus-per-task=3 --mem=700M .*--time=4 ' srun.log
   refute grep -q gres srun.log
   : >srun.log
   run job simulate-x simulate pm-simulate --device cuda --out x
+  [ "$status" -eq 2 ]
   grep -q -- '--cpus-per-task=8 --mem=2048M .*--gres=gpu:1 ' srun.log
   : >srun.log
   run job screen0 screen bash -c 'echo here'
@@ -63,6 +65,7 @@ T
   # No key on a command line, and none in a file.
   : >srun.log
   PM_API_KEY=geheim run job lift lift pm-lift
+  [ "$status" -eq 2 ]
   [ -s srun.log ]
   refute grep -rq geheim .
   [ -z "$(find run -name '*.job*')" ]
