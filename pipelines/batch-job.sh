@@ -8,10 +8,15 @@ live=$batch/.live mark=$batch/.live/running/${run##*/}@$job
 began=$EPOCHREALTIME
 if [ ! -e "$run/.stamps/begun" ]; then echo "$began" >"$run/.stamps/begun"; fi
 printf '%s %s %s\n' "$began" "${HOSTNAME:-}" $$ >"$mark"
-# Ctrl-C and SIGTERM are for the command first.
-trap : INT TERM HUP
-"$@" >>"$run/log.txt" 2>&1
-status=$?
+# Whatever would end this process ends the command.
+"$@" >>"$run/log.txt" 2>&1 &
+command=$!
+trap 'kill -TERM $command 2>/dev/null' INT TERM HUP
+while true; do
+  wait $command
+  status=$?
+  if ! kill -0 $command 2>/dev/null; then break; fi
+done
 rm -f -- "$mark"
 # Seconds with three decimals since a time with six.
 since() { local span=$((${EPOCHREALTIME/[.,]/} - ${1/[.,]/})); printf '%d.%03d' $((span / 1000000)) $((span / 1000 % 1000)); }

@@ -172,3 +172,28 @@ LIST
   BIN=$bin run bash "$root/pipelines/batch-table.sh" batch
   [[ $output = *"differ in width (avx2 on n3, avx512 on n1, avx512 on n2): the last digits of their results may differ"*PM_KERNELS* ]]
 }
+
+@test "batch: Ctrl-C and SIGTERM end the tools as well, and no scene has failed by that" {
+  cd "$BATS_TEST_TMPDIR"
+  mkdir tools
+  for tool in "$bin"/pm-*; do ln -s "$tool" tools/; done
+  rm tools/pm-lift
+  printf '#!/bin/bash\necho $$ >%q\nexec sleep 30\n' "$PWD/sleeper" >tools/pm-lift
+  chmod +x tools/pm-lift
+  cp -r "$BATS_FILE_TMPDIR/good" one
+  for signal in INT TERM; do
+    rm -f sleeper
+    # A session of its own, whose processes do not ignore SIGINT.
+    python3 -c 'import os, signal, sys; os.setsid(); signal.signal(signal.SIGINT, signal.SIG_DFL); os.execvp(sys.argv[1], sys.argv[1:])' \
+      env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -f "$root/pipelines/installed.mk" BIN="$PWD/tools" batch SCENES=one/scene.json BATCH=batch >log 2>&1 3>&- &
+    make=$!
+    for _ in {1..100}; do [ ! -s sleeper ] || break; sleep 0.1; done
+    if [ $signal = INT ]; then kill -INT -- -$make; else kill -TERM $make; fi
+    status=0
+    wait $make || status=$?
+    [ "$status" -ne 0 ]
+    for _ in {1..50}; do [ -d "/proc/$(<sleeper)" ] || break; sleep 0.1; done
+    [ ! -d "/proc/$(<sleeper)" ]
+    [ ! -e batch/one/batch.status ]
+  done
+}
