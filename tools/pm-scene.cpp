@@ -13,12 +13,34 @@ using namespace physmas;
 
 namespace {
 constexpr double kDropByPrompt = -1;
+
+// `--crop auto` has one word where `--crop` has six numbers, which the parser cannot tell: it becomes an option of its
+// own. Returns how many words are left.
+int take_crop_auto(int argc, char** argv, bool& crop_auto) {
+  int kept = 0;
+  for (int i = 0; i < argc; ++i) {
+    const std::string word = argv[i], next = i + 1 < argc ? argv[i + 1] : "";
+    if (word == "--") {
+      while (i < argc) argv[kept++] = argv[i++];
+      break;
+    }
+    if (word == "--crop=auto" || (word == "--crop" && next == "auto")) {
+      crop_auto = true;
+      i += word == "--crop";
+    } else {
+      argv[kept++] = argv[i];
+    }
+  }
+  return kept;
 }
+
+}  // namespace
 
 int main(int argc, char** argv) {
   std::string example, scene, described, folder, overrides_file, prompt;
   std::vector<std::string> settings, defaults;
-  std::vector<std::string> crop, reading;
+  std::vector<double> crop;
+  std::vector<std::string> reading;
   bundle::ImportOptions import;
   bool true_masks = false;
   Command synth_command, import_command, slice_command, info_command;
@@ -62,7 +84,7 @@ int main(int argc, char** argv) {
             "--crop", crop,
             "Take Gaussians inside x0 x1 y0 y1 z0 z1 only, in the file's units; auto: the object, the largest dense "
             "component")
-        .expected(-1);
+        .expected(6);
     import_command
         .add_option("--read", reading,
                     "linear-scales: scales are no logarithms; drop-broken: leave out Gaussians that no renderer draws, "
@@ -119,7 +141,7 @@ int main(int argc, char** argv) {
   };
   tool.work = [&](const CommonOptions&) {
     import.folder = folder;
-    if (!crop.empty()) bundle::set_crop(crop, "--crop", import.selection);
+    if (!crop.empty()) import.selection.crop = bundle::crop_box(crop, "--crop");
     for (const std::string& word : reading) {
       import.reading.linear_scales |= word == "linear-scales";
       import.reading.drop_broken |= word == "drop-broken";
@@ -133,5 +155,6 @@ int main(int argc, char** argv) {
     if (info_command.parsed()) bundle::print_report(described);
     return 0;
   };
+  argc = take_crop_auto(argc, argv, import.selection.crop_dense);
   return run_tool(argc, argv, tool);
 }

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <cstdlib>
-
 #include "base/error.h"
 #include "bundle/dense_component.h"
 #include "bundle/view_rig.h"
@@ -16,21 +13,10 @@ constexpr double kWorthAWarning = 1.25;
 
 }  // namespace
 
-void set_crop(const std::vector<std::string>& words, const std::string& option, Selection& selection) {
-  if (words.size() == 1 && words[0] == "auto") {
-    selection.crop_dense = true;
-    return;
-  }
-  if (words.size() != 6) {
+Eigen::AlignedBox3d crop_box(const std::vector<double>& bounds, const std::string& option) {
+  if (bounds.size() != 6) {
     throw Error(ExitCode::usage,
-                fmt::format("{}: found {} words, expected x0 x1 y0 y1 z0 z1, or auto", option, words.size()));
-  }
-  std::vector<double> bounds;
-  for (const std::string& word : words) {
-    char* end = nullptr;
-    bounds.push_back(std::strtod(word.c_str(), &end));
-    if (word.empty() || end != word.c_str() + word.size() || !std::isfinite(bounds.back()))
-      throw Error(ExitCode::usage, fmt::format("{}: found \"{}\", expected a number", option, one_line(word, 40)));
+                fmt::format("{}: found {} numbers, expected x0 x1 y0 y1 z0 z1", option, bounds.size()));
   }
   Eigen::AlignedBox3d box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -41,7 +27,7 @@ void set_crop(const std::vector<std::string>& words, const std::string& option, 
     box.min()[axis] = bounds[2 * axis];
     box.max()[axis] = bounds[2 * axis + 1];
   }
-  selection.crop = box;
+  return box;
 }
 
 size_t select_gaussians(Gaussians& g, const Selection& selection, const std::string& file) {

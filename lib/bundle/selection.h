@@ -17,9 +17,9 @@ struct Selection {
   Eigen::Matrix3d crop_axes = Eigen::Matrix3d::Identity();  // turns means into the crop's axes
 };
 
-// A crop box from "x0 x1 y0 y1 z0 z1" (the order of PhysGaussian's sim_area), or the word "auto". Throws an Error (exit
-// code 2) that names `option` unless there are six numbers and the upper end of every axis is above the lower one.
-void set_crop(const std::vector<std::string>& words, const std::string& option, Selection& selection);
+// A crop box from "x0 x1 y0 y1 z0 z1" (the order of PhysGaussian's sim_area). Throws an Error (exit code 2) that names
+// `option` unless the upper end of every axis is above the lower one.
+Eigen::AlignedBox3d crop_box(const std::vector<double>& bounds, const std::string& option);
 
 // Removes the others and returns how many they were; values of those that stay are kept bit for bit. Throws an Error
 // (exit code 3, naming `file`) when none stays. Both comparisons are PhysGaussian's.

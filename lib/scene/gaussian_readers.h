@@ -20,7 +20,7 @@ constexpr size_t kMaxGaussianBytes = size_t{16} << 30;
 // Standard 3DGS PLY (Kerbl et al. 2023): element vertex with x y z, f_dc_0..2, f_rest_* channel-major (0, 9, 24, 45 or
 // 72 of them, of which degree 4 is left out), opacity, scale_0..2 (or 0..1: 2D Gaussians), rot_0..3, in any order and
 // scalar type; filter_3D (Mip-Splatting) is folded into scales and opacity; everything else is ignored. Positions in
-// doubles that floats would round too much have their offset subtracted first.
+// doubles that floats would round too much have their offset subtracted first, and z up.
 Gaussians read_standard_ply(const PlyFile& file, GaussianNotes& notes);
 
 // What the comments of a PLY say: the vertical axis, anti-aliasing.

@@ -137,8 +137,11 @@ Gaussians read_standard_ply(const PlyFile& file, GaussianNotes& notes) {
   });
   notes.offset = offset;
   if (!offset.isZero()) {
-    notes.notes.push_back(fmt::format("({:g}, {:g}, {:g}) was subtracted from all positions, which floats would round",
-                                      offset.x(), offset.y(), offset.z()));
+    notes.up = "z";
+    notes.notes.push_back(fmt::format(
+        "({}, {}, {}) was subtracted from all positions, which floats would round; as on maps, z is taken as "
+        "up; --up says otherwise",
+        offset.x(), offset.y(), offset.z()));
   }
   if (flat) notes.notes.push_back("2D Gaussians: read as flat ones");
   if (stored > 3) notes.notes.push_back("harmonics of degree 4 are left out: degrees 0 to 3 are drawn");

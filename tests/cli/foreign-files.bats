@@ -75,9 +75,11 @@ alike() {
 
 @test "far offsets are subtracted in doubles and recorded, and a crop and cameras are in the file's coordinates" {
   import "$FILES/utm_double.ply"
+  recorded up z
+  import "$FILES/utm_double.ply" --up=-y
   recorded offset "431000 5412000 213"
   alike 50
-  import "$FILES/utm_double.ply" --crop 430999.9 431002 5411990 5412010 200 220
+  import "$FILES/utm_double.ply" --up=-y --crop 430999.9 431002 5411990 5412010 200 220
   python3 - "$OUT/scene.json" <<'PY'
 import json, sys
 options = json.load(open(sys.argv[1]))["provenance"]["options"]
@@ -96,7 +98,7 @@ for view in views:
     view["image"] = view["name"] + ".png"
 json.dump(views, open(sys.argv[2], "w"))
 PY
-  import "$FILES/utm_double.ply" --views "$BATS_TEST_TMPDIR/images" --cameras "$BATS_TEST_TMPDIR/cameras.json"
+  import "$FILES/utm_double.ply" --up=-y --views "$BATS_TEST_TMPDIR/images" --cameras "$BATS_TEST_TMPDIR/cameras.json"
   python3 - "$FILES/plain/scene.json" "$OUT/scene.json" <<'PY'
 import json, sys
 for a, b in zip(*(json.load(open(f))["views"] for f in sys.argv[1:]), strict=True):
@@ -115,6 +117,9 @@ PY
     run --separate-stderr import --crop auto "$FILES/$file.ply"
     [ "$status" -eq 0 ]
     refute grep -q warning <<<"$stderr"
+    same_views "$FILES/plain"
+    # Wherever the words stand.
+    "$bin/pm-scene" import --crop auto "$FILES/$file.ply" --prompt "it falls" --out "$OUT"
     same_views "$FILES/plain"
     # What it took can be asked for again.
     crop=$(sed -n 's/.*"crop": "\(.*\)".*/\1/p' "$OUT/scene.json")

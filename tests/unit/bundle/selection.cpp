@@ -70,17 +70,12 @@ TEST_CASE("selection: opacity and crop are strict, and what stays is unchanged")
   CHECK(g.position[0].x() == 5);
   CHECK(g.sh_of(3)[2].y() == 4 * 8 + 2);
   CHECK(g.sh.size() == 16);
-  set_crop({"5", "8", "-1", "1", "-1", "1"}, "--crop", selection);
+  selection.crop = crop_box({5, 8, -1, 1, -1, 1}, "--crop");
   CHECK(select_gaussians(g, selection, "a.ply") == 2);
   CHECK(g.position[0].x() == 6);
-  set_crop({"50", "80", "-1", "1", "-1", "1"}, "--crop", selection);
+  selection.crop = crop_box({50, 80, -1, 1, -1, 1}, "--crop");
   CHECK(contains(message_of([&] { select_gaussians(g, selection, "a.ply"); }), "none of 2"));
-  CHECK(contains(message_of(
-                     [&] {
-                       set_crop({"1", "0", "0", "1", "0", "1"}, "--crop", selection);
-                     },
-                     ExitCode::usage),
-                 "along x"));
+  CHECK(contains(message_of([] { crop_box({1, 0, 0, 1, 0, 1}, "--crop"); }, ExitCode::usage), "along x"));
 }
 
 TEST_CASE("selection: floaters that shrink the scene are worth a warning, others are not") {

@@ -193,7 +193,8 @@ TEST_CASE("foreign files: far offsets in doubles are subtracted before anything 
     for (int a = 0; a < 3; ++a)
       CHECK(file.gaussians.position[i][a] == doctest::Approx(rows[i][a] - offset[a]).epsilon(1e-6));
   }
-  CHECK(contains(all_of(file.notes.notes), "5.412"));
+  CHECK(contains(all_of(file.notes.notes), "(431001, 5412001, 213)"));
+  CHECK(file.notes.up == "z");
   // Near the origin doubles lose nothing, and floats had no more to lose.
   rows[0][0] = rows[1][0] = 1, rows[0][1] = rows[1][1] = 2, rows[0][2] = 0, rows[1][2] = 1;
   CHECK(parse_gaussian_file("a.ply", ply(columns, rows, "", true)).notes.offset.isZero());
