@@ -226,7 +226,7 @@ Image decode_image(const std::string& bytes, const std::string& path) {
 }
 
 Image decode_rgba(const std::string& bytes, const std::string& path, uint64_t most) {
-  const bool webp = bytes.compare(0, 4, "RIFF") == 0 && bytes.compare(8, 4, "WEBP") == 0;
+  const bool webp = bytes.size() >= 12 && bytes.compare(0, 4, "RIFF") == 0 && bytes.compare(8, 4, "WEBP") == 0;
   if (!is_png(bytes) && !webp)
     throw invalid_input({path, "byte 0", "neither a WebP nor a PNG signature", "a lossless WebP or PNG image"});
   if (webp) {

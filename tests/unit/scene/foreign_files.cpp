@@ -348,8 +348,10 @@ TEST_CASE("sog: hostile scenes end with a line that says what is wrong") {
   old.meta.erase("version");
   CHECK(contains(error_of(old.archive(), "scene.sog"), "version 1"));
   Sog cut = good;
-  cut.images[0].second.resize(20);
-  CHECK(contains(error_of(cut.archive(), "scene.sog"), "means_l.webp"));
+  for (const size_t size : {20, 11, 5, 0}) {
+    cut.images[0].second.resize(size);
+    CHECK(contains(error_of(cut.archive(), "scene.sog"), "means_l.webp"));
+  }
   // A header that claims 16383 x 16383 pixels.
   Sog huge = good;
   huge.images[0].second.replace(21, 4, "\xfe\xff\xff\x0f", 4);
