@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares files that pm-render wrote for other programs with the 3DGS PLY files of the same frames.
 
-exported.py npz MOTION FOLDER | glb FILE PLY | usd MOTION FOLDER | splats PLY COMPRESSED SPZ   (folders)
+exported.py npz MOTION FOLDER | glb FILE PLY | usd MOTION FOLDER | usd-ply MOTION FRAME PLY | splats PLY COMPRESSED SPZ
 The first two need plain Python alone.
 """
 import glob
@@ -188,6 +188,23 @@ def check_usd(path, folder):
     assert not errors, errors
 
 
+def usd_frame_as_ply(path, frame, out):
+    """What a program that knows the schema sees of one frame."""
+    from pxr import Usd
+    prim = Usd.Stage.Open(path).GetDefaultPrim().GetChild("Splats")
+    get = lambda name: prim.GetAttribute(name).Get(float(frame))
+    assert get("radiance:sphericalHarmonicsDegree") == 0
+    names = "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split()
+    columns = zip(get("positions"), get("radiance:sphericalHarmonicsCoefficientsh"), get("opacities"), get("scales"),
+                  get("orientationsh"))
+    rows = [[*p, *c, math.log(max(1e-6, o) / max(1e-6, 1 - o)), *map(math.log, s), q.GetReal(), *q.GetImaginary()]
+            for p, c, o, s, q in columns]
+    head = "ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(rows)
+    head += "".join("property float %s\n" % name for name in names) + "end_header\n"
+    with open(out, "wb") as file:
+        file.write(head.encode() + b"".join(struct.pack("<14f", *row) for row in rows))
+
+
 def check_splats(plain, compressed, spz):
     import gsply
     import numpy as np
@@ -210,4 +227,4 @@ def check_splats(plain, compressed, spz):
 
 
 if __name__ == "__main__":
-    {"npz": check_npz, "glb": check_glb, "usd": check_usd, "splats": check_splats}[sys.argv[1]](*sys.argv[2:])
+    {"npz": check_npz, "glb": check_glb, "usd": check_usd, "usd-ply": usd_frame_as_ply, "splats": check_splats}[sys.argv[1]](*sys.argv[2:])

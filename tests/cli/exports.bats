@@ -16,9 +16,14 @@ setup() { cd "$BATS_FILE_TMPDIR/run" || return 1; }
 
 python=${PM_PYTHON:-$root/build/test/python/bin/python}
 
-# others SCRIPT-ARGUMENTS: with the packages of other people, or not at all.
+# needs PACKAGE...: of other people; without them the test is skipped.
+needs() {
+  "$python" -c "import importlib, sys; [importlib.import_module(name) for name in sys.argv[1:]]" "$@" 2>/dev/null ||
+    skip "$python lacks $*: make test-python installs them"
+}
+
+# with_others ARGUMENTS: of exported.py.
 with_others() {
-  [ -x "$python" ] || skip "no $python: make test-python installs usd-core, numpy, plyfile and gsply"
   "$python" "$root/tests/cli/exported.py" "$@"
 }
 
@@ -63,15 +68,24 @@ with_others() {
 }
 
 @test "exports: OpenUSD reads every value of every frame" {
+  needs pxr
   with_others usd motion.usdc ply
+  # And what it shows is the frame.
+  with_others usd-ply motion.usdc 7 usd.ply
+  "$bin/pm-scene" import ply/frame_0007.ply --up z --prompt "it falls" --out again/frame
+  "$bin/pm-scene" import usd.ply --up z --prompt "it falls" --out again/usd
+  for view in front right back left; do
+    python3 "$root/tests/cli/foreign_files.py" psnr again/frame/views/$view.png again/usd/views/$view.png 40
+  done
 }
 
 @test "exports: plyfile and gsply read the frames" {
+  needs gsply plyfile numpy
   with_others splats ply compressed spz
 }
 
 @test "exports: the ten lines of Python in the documentation run" {
-  [ -x "$python" ] || skip "no $python: make test-python installs numpy"
+  needs numpy
   sed -n '/^```python/,/^```/p' "$root/docs/motion-files.md" | grep -v '^```' >lines.py
   [ "$(wc -l <lines.py)" -le 12 ]
   "$python" lines.py | grep -q "10 frames"
