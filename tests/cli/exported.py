@@ -191,7 +191,8 @@ def check_usd(path, folder):
 def usd_frame_as_ply(path, frame, out):
     """What a program that knows the schema sees of one frame."""
     from pxr import Usd
-    prim = Usd.Stage.Open(path).GetDefaultPrim().GetChild("Splats")
+    stage = Usd.Stage.Open(path)  # prims live as long as it does
+    prim = stage.GetDefaultPrim().GetChild("Splats")
     get = lambda name: prim.GetAttribute(name).Get(float(frame))
     assert get("radiance:sphericalHarmonicsDegree") == 0
     names = "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split()
