@@ -126,7 +126,8 @@ class Report {
     } else if (run_.accepted.empty()) {
       why = "<p><b>No candidate was admitted.</b> " + escaped(run_.screen->reason) + ".</p>\n";
       if (run_.shown != nullptr && run_.shown->screened != nullptr) {
-        why += "<p>Shown is the best that has a video, <b>" + escaped(plain_id(run_.shown->candidate.id)) + "</b>. It was refused because:</p>\n<ul>";
+        why += "<p>Shown is the best that has a video, <b>" + escaped(plain_id(run_.shown->candidate.id)) +
+               "</b>. It was refused because:</p>\n<ul>";
         for (const ScreenedCandidate::Gate& gate : run_.shown->screened->gates) {
           if (!gate.passed) why += "<li><b>" + escaped(gate.name) + "</b>: " + escaped(gate.advice) + "</li>";
         }
@@ -135,8 +136,11 @@ class Report {
         why += "</ul>\n";
       }
     } else {
-      why = "<p><b>" + escaped(plain_id(run_.accepted)) + "</b> was accepted. " + escaped(run_.screen->reason) +
-            ".</p>\n";
+      why = fmt::format("<p><b>{}</b> was accepted: {}a score Q of {:.2f}, where {:g} is needed.</p>\n",
+                        escaped(plain_id(run_.accepted)),
+                        run_.attempts.size() > 1 ? fmt::format("the best of {} candidates, with ", run_.attempts.size())
+                                                 : std::string(),
+                        run_.shown->screened != nullptr ? run_.shown->screened->score : 0, run_.screen->tau);
     }
     if (!run_.shown_video.empty()) {
       const std::string path = run_.path(run_.shown_video);
