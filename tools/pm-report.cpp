@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "report/preview.h"
 #include "report/run_report.h"
+#include "report/serve.h"
 
 using namespace physmas;
 
@@ -13,7 +14,8 @@ int main(int argc, char** argv) {
   std::string index_out;
   double viewer = 3, videos = 3;
   report::PreviewOptions preview_options;
-  Command index, preview;
+  report::ServeOptions serving;
+  Command index, preview, served;
   const auto is_html = [](const std::string& path) {
     return path.size() > 5 && path.substr(path.size() - 5) == ".html" ? std::string()
                                                                       : "expected a name that ends in .html";
@@ -24,6 +26,7 @@ int main(int argc, char** argv) {
   tool.footer =
       "Example: pm-report --run runs/demo --out runs/demo/report.html\n"
       "         pm-report preview --run runs/demo\n"
+      "         pm-report serve --run runs/demo\n"
       "         pm-report index runs/batch/cake runs/batch/lamp --out runs/batch/index.html\n"
       "Reads the records in a run's folder (physmas/scene, inventory, plan, state, evidence, round, candidate, "
       "execution, render, screen,\n"
@@ -47,6 +50,17 @@ int main(int argc, char** argv) {
         .add_option("--out", preview_options.out, "Page to write, .html; preview.html in the run's folder when absent")
         .check(is_html)
         .type_name("FILE");
+    served = app.add_subcommand(
+        "serve", "A run's pages on this machine alone; what is marked on the preview is written into the run's folder");
+    served.add_option("--run", serving.run, "Folder of a run with preview.html or report.html")
+        .type_name("DIR")
+        .required();
+    served.add_option("--port", serving.port, "Port of 127.0.0.1; 0: any that is free")
+        .between(0, 65535)
+        .capture_default_str();
+    served.add_option("--requests", serving.requests, "End after so many requests; 0: never")
+        .not_negative()
+        .capture_default_str();
     index = app.add_subcommand("index", "A page with a row per run");
     index.add_option("RUN", runs, "Folders of runs").required();
     index.add_option("--out", index_out, "Page to write, .html").required().check(is_html);
@@ -54,6 +68,10 @@ int main(int argc, char** argv) {
   tool.work = [&](const CommonOptions&) {
     if (index.parsed()) {
       report::write_run_index(runs, index_out);
+      return static_cast<int>(ExitCode::done);
+    }
+    if (served.parsed()) {
+      report::serve(serving);
       return static_cast<int>(ExitCode::done);
     }
     if (preview.parsed()) {

@@ -108,6 +108,7 @@ material
 render-hard-support-bonded
 render-hard-support-bonded-role-balanced
 render-posterior
+report
 screen0
 screen1
 simulate-hard-support-bonded

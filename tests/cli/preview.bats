@@ -63,3 +63,45 @@ marked = next(v for k, v in labels.items() if k.endswith("/the-b-head-b"))
 assert marked[0] > 20 and marked[1] == "Rubber", labels
 P
 }
+
+@test "preview: pm-report serve writes what is marked into the run, for the page that it gave and nobody else" {
+  fails_with 3 "$bin/pm-report" serve --run nowhere -- preview.html
+  rm -f run/marked-inventory.json
+  "$bin/pm-report" serve --run run --requests 5 >address &
+  server=$!
+  for _ in $(seq 100); do [ -s address ] && break; sleep 0.1; done
+  url=$(cat address)
+  python3 - "$url" <<'P'
+import json, sys, urllib.error, urllib.request
+url = sys.argv[1].strip()
+origin = url[:url.index("/", 8)]
+assert origin.startswith("http://127.0.0.1:")
+def ask(address, data=None, headers={}):
+    try:
+        return urllib.request.urlopen(urllib.request.Request(address, data, headers)).status
+    except urllib.error.HTTPError as e:
+        return e.code
+inventory = json.load(open("run/inventory.json"))
+for own in ("provenance", "exchanges", "omitted"):
+    inventory.pop(own, None)
+body, kind = json.dumps(inventory).encode(), {"Content-Type": "application/json"}
+assert ask(origin + "/preview.html") == 404
+assert ask(url) == 200
+assert ask(url + "inventory", body, {**kind, "Origin": "http://evil.example"}) == 403
+assert ask(url + "inventory", b"{}", {**kind, "Origin": origin}) == 400
+assert ask(url + "inventory", body, {**kind, "Origin": origin}) == 200
+P
+  wait $server
+  grep -q physmas/inventory/1 run/marked-inventory.json
+}
+
+@test "preview: the served page in Chromium saves into the run's folder" {
+  python3 "$root/tests/tools/browser.py" || skip "no Chromium: apt-get install chromium"
+  rm -f run/marked-inventory.json
+  "$bin/pm-report" serve --run run --requests 2 >served &
+  server=$!
+  for _ in $(seq 100); do [ -s served ] && break; sleep 0.1; done
+  python3 "$root/tests/tools/preview_page.py" "$(cat served)"
+  wait $server
+  [ -s run/marked-inventory.json ]
+}

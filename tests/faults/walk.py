@@ -51,6 +51,8 @@ STAGES = {
     'pm-screen': (f'pm-screen {SCENE} --plan plan.json --evidence evidence.json --inventory inventory.json --candidates candidates '
                   '--rollouts rollouts --videos videos --round 0 --out screen/round0.json --accepted accepted.json '
                   '--final final.mp4', ['screen', 'accepted.json', 'final.mp4']),
+    'pm-scene slice': (f'pm-scene slice {SCENE} --out spec', ['spec']),
+    'pm-report': ('pm-report --run . --out report.html', ['report.html', 'report.json']),
     'pm-eval': (f'pm-eval motion {SCENE} --inventory inventory.json --state state.h5 --rollout rollouts/soft.h5 '
                 '--reference rollouts/support-stiff.h5 --out metrics.json', ['metrics.json']),
 }
@@ -66,6 +68,8 @@ def words(command, binaries):
 def without_runtime(path):
     """Bytes of a file, without what differs from run to run."""
     data = path.read_bytes()
+    if path.suffix == '.html':
+        return re.sub(rb'<!--runtime-->.*?<!--/runtime-->|[0-9a-f]{16}(?=</code>)', b'', data, flags=re.S)
     if path.suffix != '.json':
         return data
     document = json.loads(data)

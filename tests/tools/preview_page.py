@@ -1,5 +1,8 @@
-"""The page of make preview in a headless Chromium: preview_page.py PAGE FOLDER. Marks a part in every view by clicks and by a
-stroke; FOLDER gets marked-inventory.json as the page saves it."""
+"""The page of make preview in a headless Chromium.
+
+    preview_page.py PAGE FOLDER    marks a part in every view by clicks and by a stroke; FOLDER gets marked-inventory.json as the page
+                                   saves it
+    preview_page.py URL            of pm-report serve: saves there"""
 
 import json
 import os
@@ -10,7 +13,7 @@ import time
 
 from browser import PATIENCE, Browser, find_chromium
 
-PAGE, FOLDER = (os.path.abspath(a) for a in sys.argv[1:3])
+PAGE, FOLDER = [os.path.abspath(a) for a in sys.argv[1:3]] if len(sys.argv) > 2 else (None, None)
 # In fractions of a view: the outline that is clicked, and drawn.
 OUTLINE = [(0.2, 0.05), (0.8, 0.05), (0.8, 0.45), (0.2, 0.45)]
 
@@ -39,6 +42,19 @@ def mark(browser, view, stroke):
         mouse(browser, "mouseReleased", box[0] + 2, box[1] + 2)
         browser.key("Backspace")
         browser.key("Enter", "\r")
+
+
+def save_to_server(url):
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        browser = Browser(find_chromium(), profile)
+        try:
+            browser.open(url, 1280, 800)
+            browser.click("#save")
+            browser.wait("document.querySelector('#editor [role=status]').textContent.startsWith('Saved as ')")
+            assert all(a.startswith((url, "data:")) for a in browser.requested()), browser.requested()
+            assert browser.complaints() == [], browser.complaints()
+        finally:
+            browser.close()
 
 
 def main():
@@ -86,4 +102,4 @@ def main():
             browser.close()
 
 
-main()
+main() if PAGE else save_to_server(sys.argv[1])

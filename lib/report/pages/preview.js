@@ -134,9 +134,20 @@ function inventory() {
   }
   return {...data.inventory, rows};
 }
-function save() {
+// Under pm-report serve it goes into the run's folder; a page that was opened as a file gives it as a download.
+async function save() {
   finish();
-  const file = new Blob([JSON.stringify(inventory(), null, 2) + "\n"], {type: "application/json"}), link = $("a", {href: URL.createObjectURL(file), download: "marked-inventory.json"});
+  const text = JSON.stringify(inventory(), null, 2) + "\n";
+  if (location.protocol === "http:") {
+    try {
+      const reply = await fetch("inventory", {method: "POST", headers: {"Content-Type": "application/json"}, body: text});
+      status.textContent = await reply.text();
+    } catch {
+      status.textContent = "Not saved: pm-report serve does not answer.";
+    }
+    return;
+  }
+  const link = $("a", {href: URL.createObjectURL(new Blob([text], {type: "application/json"})), download: "marked-inventory.json"});
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   status.textContent = "Saved as marked-inventory.json. Give it to make: INVENTORY=marked-inventory.json, with the other variables of this run.";
