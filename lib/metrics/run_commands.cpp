@@ -29,14 +29,11 @@ void add_run_options(Command command, RunOptions& options, const char* rollout) 
   command.add_option("--target", options.target, "Object id or row key; the whole scene by default");
 }
 
-// The rollout is the one that its record names, and of this state. A rollout without a record, as other programs write
-// them, is taken.
-void check_rollout(const std::string& rollout, const std::string& state) {
-  const std::string execution = execution_path_of(rollout);
+// The rollout is the one that its record names. One without a record, as other programs write them, is taken; and of
+// another state of the same Gaussians, too: a method is measured with the labels of the reference.
+void check_rollout(const std::string& rollout) {
   std::error_code failure;
-  if (!std::filesystem::exists(execution, failure)) return;
-  load_execution_of(rollout);
-  require_made_from(execution, state, false);
+  if (std::filesystem::exists(execution_path_of(rollout), failure)) load_execution_of(rollout);
 }
 
 // What the rollouts of one state share.
@@ -48,8 +45,8 @@ struct Run {
         gaussians(load_labelled_gaussians(scene.gaussians, state, options.state)),
         target(target_gaussians(inventory, state, options.target)) {
     require_made_from(options.state, options.inventory, false, "state");
-    check_rollout(options.rollout, options.state);
-    if (!options.reference.empty()) check_rollout(options.reference, options.state);
+    check_rollout(options.rollout);
+    if (!options.reference.empty()) check_rollout(options.reference);
   }
   static SceneNeeds needs() {
     SceneNeeds needs;
