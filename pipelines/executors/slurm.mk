@@ -47,6 +47,10 @@ export PM_RETRY := $(RETRY)
 export PM_PATIENCE := $(or $(PATIENCE),60)
 job = bash $(SLURM_FOLDER)slurm-job.sh $(1) $(call stage_of,$(1)) '$(3)' '$(4)' '$(5)' $(MAKE_PROCESS) --
 
+ifeq ($(MAKE_RESTARTS)$(DRY),)
+  watched := $(shell setsid bash $(SLURM_FOLDER)slurm-watch.sh $(MAKE_PROCESS) </dev/null >/dev/null 2>&1 &)
+endif
+
 # What the clocks of other machines did to the run, and what a make that was killed left running.
 before_run = bash $(SLURM_FOLDER)slurm-before.sh $(1)
 
