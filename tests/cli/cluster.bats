@@ -191,7 +191,7 @@ TRICK
 
 @test "cluster: Slurm's refusals come at once and in its words" {
   cp resources table
-  echo 'lift: 99 cores, 300 MiB, 2 min' >>table
+  echo 'lift: 1 core, 99 GiB, 2 min' >>table
   run run_make EXECUTOR=slurm RESOURCES=table run SCENE=a/scene.json SPEC=spec.json RUN=run
   echo "$output"
   [ "$status" -ne 0 ]
