@@ -319,7 +319,7 @@ FUZZ_BUILD := build/fuzz/$(FUZZ_ENGINE)
 FUZZ_FLAGS := -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined -w \
               $(if $(filter libfuzzer,$(FUZZ_ENGINE)),-fsanitize=fuzzer-no-link)
 # What the targets reach: all but the command line, the making of scenes, the segmenter and the renderer.
-FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp lib/base/team.cpp lib/remote/remote_flags.cpp $(patsubst %,lib/scene/%.cpp,color placement view_pictures), \
+FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp lib/base/team.cpp lib/remote/remote_flags.cpp $(patsubst %,lib/scene/%.cpp,color placement), \
                   $(wildcard $(patsubst %,lib/%/*.cpp,base records scene remote plan))) \
                 $(patsubst %,lib/bundle/%.cpp,captured_views choose_views colmap_model dataparser_transform dense_component distortion foreign_json \
                   physgaussian physgaussian_boundaries pose_lists selection transforms_json view_rig) \
