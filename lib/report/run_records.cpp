@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "base/file.h"
+#include "base/hash.h"
 #include "records/json.h"
 
 namespace fs = std::filesystem;
@@ -40,6 +41,7 @@ class Loader {
     load_rounds();
     load_settings();
     load_request();
+    load_error();
     choose_shown();
     return std::move(run_);
   }
@@ -112,6 +114,20 @@ class Loader {
       }
     }
     run_.attempts.push_back(std::move(attempt));
+  }
+
+  // An estimate of another rollout, as an earlier run left it, is none of this one.
+  void load_error() {
+    if (!has("error.json") || run_.accepted.empty()) return;
+    const std::string path = join_path(run_.folder, "error.json");
+    const Json error = load_record(path, "error");
+    const std::string rollout = join_path(run_.folder, "rollouts/" + run_.accepted + ".h5");
+    if (error.at("candidate").get<std::string>() != run_.accepted || !exists(rollout)) return;
+    const std::string made_of = sha256_file(rollout);
+    for (const Provenance::Input& input : recorded_files(path).inputs) {
+      if (input.sha256 == made_of) run_.error = error;
+    }
+    if (run_.error) run_.files.push_back("error.json");
   }
 
   // The slices hold all settings, each stage's own.

@@ -46,6 +46,7 @@ struct RunRecords {
   std::vector<std::pair<std::string, std::pair<Json, Json>>> settings;
   std::vector<std::pair<std::string, Omission>> omitted;  // with the file that says so
   std::string accepted;                                   // candidate
+  std::optional<Json> error;  // error.json, where it is the accepted candidate's as it stands here
   // The candidate that is shown: the accepted one, else the best that did not diverge. Null: none was executed.
   const Attempt* shown = nullptr;
   std::string shown_video;  // final.mp4, best.mp4 or a candidate's; empty: none

@@ -69,8 +69,8 @@ class Report {
     page.scripts = {"viewer.js", "report.js"};
     const Gaussians* gaussians = gaussians_ ? &*gaussians_ : nullptr;
     const std::string sections = first() + candidates() + viewer() + parts_section(run_, gaussians) +
-                                 scores_section(run_) + plots_section(run_, rollout_.get()) + omitted_section(run_) +
-                                 times_section(run_) + provenance_section(run_);
+                                 scores_section(run_) + plots_section(run_, rollout_.get()) + error_section(run_) +
+                                 omitted_section(run_) + times_section(run_) + provenance_section(run_);
     page.body = head(sections) + "<main>\n" + sections + "</main>\n";
     write_file(options_.out, page_text(page));
     save();

@@ -372,6 +372,55 @@ std::string plots_section(const RunRecords& run, RolloutReader* rollout) {
   return section("motion", "Motion over time", html);
 }
 
+std::string error_section(const RunRecords& run) {
+  if (!run.error) return "";
+  const Json& error = *run.error;
+  const double size = error.at("longest_edge").get<double>();
+  std::string rows;
+  const auto row = [&](const std::string& name, const Json& e, double scale, const char* unit) {
+    if (e.at("status") != "valid") {
+      rows += fmt::format("<tr><th scope=\"row\">{}</th><td colspan=\"4\">{}</td></tr>\n", escaped(name),
+                          escaped(e.at("reason").get<std::string>()));
+      return;
+    }
+    const auto number = [&](const char* field, const char* of) {
+      return "<td class=\"n\">" +
+             file_link("error.json", fmt::format("{:.3g}{}", scale * e.at(field).get<double>(), of)) + "</td>";
+    };
+    rows += fmt::format("<tr><th scope=\"row\">{}</th>{}{}<td class=\"n\">{:.1f}</td><td>{}</td></tr>\n", escaped(name),
+                        number("estimate", unit), number("bound", unit), e.at("order").get<double>(),
+                        e.at("regular").get<bool>() ? "" : "not regular: go by the bound");
+  };
+  const std::pair<const char*, const char*> names_of[] = {{"position", "Position of the whole scene"},
+                                                          {"trajectory_nrmse", "Trajectory in the picture"},
+                                                          {"area_log_rmse", "Area in the picture"},
+                                                          {"strain_rmse", "Strain in the picture"}};
+  for (const Json& e : error.at("measures")) {
+    const std::string name = e.at("name").get<std::string>();
+    for (const auto& [field, text] : names_of) {
+      if (name == field) row(text, e, name == "position" && size > 0 ? 100 / size : 1, name == "position" ? " %" : "");
+    }
+  }
+  for (const Json& e : error.at("rows")) {
+    const double edge = e.value("longest_edge", 0.0);
+    if (edge > 0) row(row_name(run, e.at("name").get<std::string>()), e, 100 / edge, " %");
+  }
+  return section(
+      "error", "How far the grid may be from the truth",
+      fmt::format("<p>The accepted candidate on {} cells along each edge, against the same scene on {} and on {}. "
+                  "Position in % of "
+                  "the longest edge; the others are the paper's metrics.</p>\n<div "
+                  "class=\"scroll\"><table><thead><tr><th></th><th>Error, estimated</th><th>Not "
+                  "above</th><th>Order</th><th></th></tr></thead><tbody>\n",
+                  error.at("n").get<int>(), error.at("companions").at(0).at("n").get<int>(),
+                  error.at("companions").at(1).at("n").get<int>()) +
+          rows +
+          fmt::format(
+              "</tbody></table></div>\n<p class=\"quiet\">Twice the cells halve an error of first order, for about "
+              "sixteen times the time: <code>{}</code></p>\n",
+              escaped(make_call(run, "SET", fmt::format("grid.n={}", 2 * error.at("n").get<int>())))));
+}
+
 std::string omitted_section(const RunRecords& run) {
   std::vector<std::pair<std::string, std::string>> seen;  // "what: why" and the files that say so
   for (const auto& [file, o] : run.omitted) {

@@ -23,6 +23,7 @@ std::string parts_section(const RunRecords& run, const Gaussians* gaussians);
 std::string scores_section(const RunRecords& run);
 // rollout: of the shown candidate, with its velocities; null: none.
 std::string plots_section(const RunRecords& run, RolloutReader* rollout);
+std::string error_section(const RunRecords& run);  // of the accepted run's discretisation, where it was estimated
 std::string omitted_section(const RunRecords& run);
 std::string times_section(const RunRecords& run);  // between kPageRuntime
 std::string provenance_section(const RunRecords& run);

@@ -255,4 +255,9 @@ J
   run_make_here "${@/time.frames=4/time.frames=5}" ERROR=1 >log
   [ -s run/error.json ]
   "$bin/pm-screen" --audit run
+  # The page shows it, and no longer where it is another rollout's.
+  grep -q 'How far the grid may be from the truth' run/report.html
+  sed -i 's/"candidate": "/"candidate": "x-/' run/error.json
+  "$bin/pm-report" --run run --out other.html
+  refute grep 'How far the grid may be' other.html
 }
