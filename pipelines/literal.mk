@@ -4,12 +4,6 @@
 # environment only (`given_to_tools`); all others stand in rules and commands, and are refused where make or a shell would read
 # them as something else than words. Included by the Makefile and by installed.mk before all else.
 
-# Without these nothing below says what it should.
-missing_programs := $(shell for p in awk cat chmod cp cut dirname find grep head ln ls mkdir mv rm sed sort tail tr uname xargs; do command -v "$$p" >/dev/null || printf '%s ' "$$p"; done)
-ifneq ($(missing_programs),)
-  $(error $(missing_programs)not found on PATH: expected the ordinary programs of a Debian system in it, as in PATH=/usr/bin:/bin)
-endif
-
 # Where this file and its helpers lie.
 LITERAL := $(dir $(lastword $(MAKEFILE_LIST)))
 
@@ -35,6 +29,12 @@ WORKING_FOLDERS := RUN BATCH EVALUATE BASE
 of_make := $(strip $(foreach v,$(.VARIABLES),$(if $(filter command,$(origin $(v))),$(filter SHELL .% MAKE% MFLAGS GNUMAKEFLAGS VPATH CURDIR,$(v)))))
 ifneq ($(of_make),)
   $(error $(firstword $(of_make)) is GNU Make's own and cannot be given)
+endif
+
+# Without these nothing below says what it should.
+missing_programs := $(shell for p in awk cat chmod cp cut dirname find grep head ln ls mkdir mv rm sed sort tail tr uname xargs; do command -v "$$p" >/dev/null || printf '%s ' "$$p"; done)
+ifneq ($(missing_programs),)
+  $(error $(missing_programs)not found on PATH: expected the ordinary programs of a Debian system in it, as in PATH=/usr/bin:/bin)
 endif
 
 empty :=

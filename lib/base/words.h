@@ -23,6 +23,9 @@ std::vector<std::string> verb_forms(const std::string& verb);
 // An identifier of [a-z0-9-]+, at most 64 characters, "object" where nothing remains.
 std::string identifier_of(const std::string& text);
 
+// The letters of ASCII in lower case; others as they are.
+std::string lower_case(std::string text);
+
 // Items joined as "a, b, c".
 std::string join(const std::vector<std::string>& items, const std::string& separator = ", ");
 

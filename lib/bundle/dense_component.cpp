@@ -16,7 +16,7 @@ namespace {
 
 constexpr size_t kSamples = 20000;
 constexpr int kNeighbours = 4;
-constexpr double kReach = 6;         // edge of a cube in distances to the fourth neighbour
+constexpr double kCubeEdge = 6;         // edge of a cube in distances to the fourth neighbour
 constexpr double kFarAround = 3;     // the whole scene's box over the component's: worth a warning
 constexpr double kWorthShare = 0.2;  // of the opacities: a smaller component is no object
 constexpr int kMostCubes = 1 << 20;  // per axis
@@ -35,7 +35,7 @@ double cube_edge(const Gaussians& g, const Eigen::Vector3d& size) {
     distances[k] = search.around(static_cast<int32_t>(k * step), kNeighbours).back().squared;
   const auto quarter = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 4);
   std::nth_element(distances.begin(), quarter, distances.end());
-  return std::max(kReach * std::sqrt(*quarter), size.maxCoeff() / kMostCubes);
+  return std::max(kCubeEdge * std::sqrt(*quarter), size.maxCoeff() / kMostCubes);
 }
 
 uint64_t key_of(const Eigen::Array3i& cube) {

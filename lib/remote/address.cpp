@@ -9,6 +9,7 @@
 #include <new>
 
 #include "base/error.h"
+#include "base/words.h"
 
 namespace physmas::remote {
 namespace {
@@ -27,11 +28,6 @@ std::string url_part(CURLU* url, CURLUPart part, unsigned flags = 0) {
   std::string value(text);
   curl_free(text);
   return value;
-}
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
 }
 
 std::string without_percent_signs(const std::string& text) {

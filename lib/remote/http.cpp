@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "base/error.h"
+#include "base/words.h"
 
 namespace physmas::remote {
 namespace {
@@ -38,11 +39,6 @@ Headers add_header(Headers list, const std::string& line) {
   if (grown == nullptr) throw std::bad_alloc();
   list.release();
   return Headers(grown, &curl_slist_free_all);
-}
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
 }
 
 // "Application/JSON; charset=utf-8" -> "application/json".

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/words.h"
 #include "records/json.h"
 #include "remote/address.h"
 
@@ -28,11 +29,6 @@ const std::set<std::string> kOwnHeaders = {"connection",     "content-encoding",
                                            "upgrade"};
 const std::set<std::string> kOpenHeaders = {"host", "accept", "user-agent"};
 const std::set<std::string> kOwnFields = {"model", "messages", "response_format", "stream", "n"};
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 std::string trimmed(const std::string& text) {
   const size_t from = text.find_first_not_of(" \t");

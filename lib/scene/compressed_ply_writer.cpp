@@ -13,7 +13,6 @@ namespace physmas {
 namespace {
 
 constexpr size_t kChunk = 256;
-constexpr double kShC0 = 0.28209479177387814;
 constexpr float kMostLogScale = 20;  // scales of the format are cut there
 
 uint32_t level(double t, int bits) {

@@ -44,6 +44,9 @@ bool is_spz(const std::string& bytes);
 // coordinate system; left-handed ones are mirrored. Nothing is allocated that the compressed size could not hold.
 // packed: size of the file around them; 0: none.
 constexpr size_t kSpzHeaderBytes = 16;
+// Of SPZ: how coefficient 0 of a colour is scaled to a byte, and the bit of its flags for anti-aliased files.
+constexpr double kSpzColorScale = 0.15;
+constexpr uint8_t kSpzAntialiased = 1;
 Gaussians read_spz(const std::string& path, const std::string& bytes, size_t packed, GaussianNotes& notes);
 
 // The most bytes that are taken of a file within gzip. header: its first kSpzHeaderBytes bytes, or fewer.

@@ -11,8 +11,7 @@
 namespace physmas {
 namespace {
 
-constexpr double kShC0 = 0.28209479177387814;  // the constant real spherical harmonic
-constexpr double kFewBroken = 0.01;            // of all Gaussians: dropped without being asked
+constexpr double kFewBroken = 0.01;  // of all Gaussians: dropped without being asked
 
 struct Fault {
   std::string field, found, expected;

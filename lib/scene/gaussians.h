@@ -15,6 +15,9 @@ constexpr int sh_coefficient_count(int degree) {
   return (degree + 1) * (degree + 1);
 }
 
+// The constant real spherical harmonic.
+constexpr double kShC0 = 0.28209479177387814;
+
 // N Gaussians in file order, scene space (Kerbl et al. 2023). The raw values are kept bit for bit, so that a file
 // that is read and written again is unchanged; the activated values below are what rendering and simulation use.
 struct Gaussians {

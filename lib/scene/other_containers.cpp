@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "base/error.h"
+#include "base/words.h"
 #include "scene/gaussian_readers.h"
 
 namespace physmas {
@@ -59,11 +60,6 @@ const Container kContainers[] = {
     {PHYSMAS_START(""), ".stl", "a mesh", "a mesh has no Gaussians"},
     {PHYSMAS_START(""), ".fbx", "a mesh", "a mesh has no Gaussians"},
 };
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 bool ends_with(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;

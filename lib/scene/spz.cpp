@@ -17,10 +17,9 @@ constexpr size_t kMaxExtensions = 1 << 16;  // bytes
 constexpr uint32_t kMaxGaussians = 10000000;
 // Deflate cannot shrink further (zlib's technical notes: 1032 : 1), and no captured scene comes near it with zstd.
 constexpr size_t kMaxRatio = 1032;
-constexpr uint8_t kAntialiased = 1, kHasExtensions = 2;  // bits of `flags`
-constexpr uint32_t kCoordinateSystem = 0xadbe0003;       // a type of extension
-constexpr uint32_t kRightUpBack = 4;                     // the coordinate system of files that say none
-constexpr double kColorScale = 0.15;
+constexpr uint8_t kHasExtensions = 2;               // a bit of `flags`
+constexpr uint32_t kCoordinateSystem = 0xadbe0003;  // a type of extension
+constexpr uint32_t kRightUpBack = 4;                // the coordinate system of files that say none
 
 uint32_t word_at(const unsigned char* p) {
   return p[0] | p[1] << 8 | p[2] << 16 | static_cast<uint32_t>(p[3]) << 24;
@@ -156,7 +155,7 @@ Gaussians unpacked(const Header& h, const std::array<const unsigned char*, 6>& a
   Gaussians g;
   const int degree = std::min(h.degree, 3), rest = sh_coefficient_count(degree) - 1;
   g.resize(h.count, degree);
-  g.antialiased = (h.flags & kAntialiased) != 0;
+  g.antialiased = (h.flags & kSpzAntialiased) != 0;
   for (size_t i = 0; i < h.count; ++i) {
     Eigen::Vector3f* sh = &g.sh[i * (rest + 1)];
     for (int a = 0; a < 3; ++a) {
@@ -164,7 +163,7 @@ Gaussians unpacked(const Header& h, const std::array<const unsigned char*, 6>& a
       g.position[i][a] = static_cast<float>(h.version == 1 ? half_at(positions + 2 * value)
                                                            : fixed_point(positions + 3 * value, h.fractional_bits));
       g.log_scale[i][a] = scales[value] / 16.0f - 10;
-      sh[0][a] = static_cast<float>((colors[value] / 255.0 - 0.5) / kColorScale);
+      sh[0][a] = static_cast<float>((colors[value] / 255.0 - 0.5) / kSpzColorScale);
     }
     g.opacity_logit[i] = opacity_logit_of(opacities[i] / 255.0);
     const unsigned char* q = rotations + h.rotation_bytes() * i;

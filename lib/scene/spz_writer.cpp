@@ -7,14 +7,13 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "scene/gaussian_files.h"
+#include "scene/gaussian_readers.h"
 
 namespace physmas {
 namespace {
 
 constexpr int kLevel = 12;   // of zstd, as the format's own library has it
 constexpr int kFinest = 16;  // fractional bits of positions at most: they are the same for small and moved scenes
-constexpr double kColorScale = 0.15;
-constexpr uint8_t kAntialiased = 1;
 
 char byte_of(double value) {
   return static_cast<char>(static_cast<uint8_t>(std::clamp(std::round(value), 0.0, 255.0)));
@@ -70,7 +69,7 @@ bool save_gaussians_spz(const std::string& path, const Gaussians& g) {
     for (int a = 0; a < 3; ++a) {
       put(positions, static_cast<uint64_t>(std::llround(std::ldexp(double(g.position[i][a]), bits))), 3);
       scales += byte_of((g.log_scale[i][a] + 10.0) * 16);
-      colors += byte_of((g.sh_of(i)[0][a] * kColorScale + 0.5) * 255);
+      colors += byte_of((g.sh_of(i)[0][a] * kSpzColorScale + 0.5) * 255);
     }
     opacities += byte_of(g.opacity(i) * 255.0);
     put(rotations, packed_rotation(g.rotation[i]), 4);
@@ -91,8 +90,8 @@ bool save_gaussians_spz(const std::string& path, const Gaussians& g) {
   std::string head = "NGSP";
   put(head, 4, 4);
   put(head, g.size(), 4);
-  head += {static_cast<char>(g.sh_degree), static_cast<char>(bits), static_cast<char>(g.antialiased ? kAntialiased : 0),
-           count};
+  head += {static_cast<char>(g.sh_degree), static_cast<char>(bits),
+           static_cast<char>(g.antialiased ? kSpzAntialiased : 0), count};
   put(head, 32, 4);
   head.resize(32, '\0');
   FileWriter out(path);

@@ -16,7 +16,6 @@ using namespace physmas::splat_test;
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kShC0 = 0.28209479f;
 
 }  // namespace
 
