@@ -435,7 +435,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             names = names[:-1] if mode == "no-such-output" else names
             if mode == "no-metadata":
                 inputs = names = []
-            kind = {"image": "BYTES", "prompt": "BYTES", "crops": "BYTES", "frames": "BYTES", "phrases": "BYTES"}
+            kind = {"image": "BYTES", "prompt": "BYTES", "crops": "BYTES", "frames": "BYTES", "phrases": "BYTES", "input_ids": "INT64"}
             axes = {"boxes": [-1, 4], "masks": [-1, -1, -1], "label_evidence": [-1, 14]}
             half = "FP16" if mode == "fp16" else "FP32"
 
