@@ -20,11 +20,6 @@ int candidate_substeps(const TimestepResult& step, double frame_dt, const std::s
   return step.substeps;
 }
 
-// The fewest substeps of a frame that are no longer than dt [s].
-int whole_substeps(double dt, double frame_dt) {
-  return std::max(1, static_cast<int>(std::ceil(frame_dt / dt * (1 - 1e-9))));
-}
-
 double parse_seconds(const std::string& rule, double frame_dt) {
   size_t used = 0;
   double seconds = 0;
@@ -40,6 +35,10 @@ double parse_seconds(const std::string& rule, double frame_dt) {
 }
 
 }  // namespace
+
+int whole_substeps(double dt, double frame_dt) {
+  return std::max(1, static_cast<int>(std::ceil(frame_dt / dt * (1 - 1e-9))));
+}
 
 BoundTiming bind_timing(const std::string& rule, const RunSpecification::Time& time, const Candidate& candidate,
                         const std::string& file) {

@@ -15,6 +15,9 @@ struct BoundTiming {
   std::string rule;  // as the execution record names it: paper, cfl or fixed
 };
 
+// The fewest substeps of a frame that are no longer than dt [s].
+int whole_substeps(double dt, double frame_dt);
+
 // rule: "paper" (the candidate's substeps), "cfl" (its largest step is the base step; the candidate's is ignored) or a
 // number of seconds, which is made a little shorter until it divides the frame. file: the candidate's, for errors.
 // Throws an Error: exit code 3 when the candidate's substeps do not fill a frame, 2 when the rule is none of these.

@@ -219,10 +219,9 @@ class Builder {
     g.log_scale[i] = sigma.array().log().matrix().unaryExpr(&rounded_value);
     g.rotation[i] = {rounded_value(q.w()), rounded_value(q.x()), rounded_value(q.y()), rounded_value(q.z())};
     g.opacity_logit[i] = rounded_value(std::log(shape.opacity / (1 - shape.opacity)));
-    g.sh[i] = color.unaryExpr([](double c) { return rounded_value((c - 0.5) / kSh0); });
+    g.sh[i] = color.unaryExpr([](double c) { return rounded_value((c - 0.5) / kShC0); });
   }
 
-  static constexpr double kSh0 = 0.28209479177387814;
   const Example& example_;
   const std::string& file_;
   const Matrix3d to_scene_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "base/words.h"
 #include "records/json.h"
 
 namespace physmas::remote {
@@ -64,8 +65,7 @@ Manner manner_of(const ExchangeRecord& record) {
 
 std::optional<Manner> manner_after(const Manner& manner, int status, const std::string& said,
                                    const std::vector<std::string>& added) {
-  std::string words = said;
-  std::transform(words.begin(), words.end(), words.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string words = lower_case(said);
   const auto says = [&](const char* part) { return words.find(part) != std::string::npos; };
   const auto is_added = [&](const char* field) { return std::find(added.begin(), added.end(), field) != added.end(); };
   Manner next = manner;

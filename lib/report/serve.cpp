@@ -18,6 +18,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/output.h"
+#include "base/words.h"
 #include "records/json.h"
 
 namespace fs = std::filesystem;
@@ -54,10 +55,7 @@ std::string header(const std::string& head, const std::string& name) {
     const size_t end = std::min(head.find("\r\n", at + 2), head.size());
     const std::string line = head.substr(at + 2, end - at - 2);
     const size_t colon = line.find(':');
-    std::string key = line.substr(0, colon);
-    std::transform(key.begin(), key.end(), key.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (colon != std::string::npos && key == name) {
+    if (colon != std::string::npos && lower_case(line.substr(0, colon)) == name) {
       const size_t first = line.find_first_not_of(" \t", colon + 1);
       return first == std::string::npos ? "" : line.substr(first, line.find_last_not_of(" \t") - first + 1);
     }

@@ -30,7 +30,7 @@ struct Gaussians {
   std::vector<std::array<float, 4>> rotation;  // [N] quaternion w, x, y, z as stored, not normalised, norm > 0
   std::vector<float> opacity_logit;            // [N] opacity = 1 / (1 + exp(-logit)); may be infinite
   // [N * sh_coefficient_count(sh_degree)] colour triples; Gaussian i owns the block that starts at i * count.
-  // Coefficient 0 is the constant term: colour = 0.5 + 0.28209479 * sh at degree 0.
+  // Coefficient 0 is the constant term: colour = 0.5 + kShC0 * sh at degree 0.
   std::vector<Eigen::Vector3f> sh;
 
   size_t size() const { return position.size(); }
@@ -58,7 +58,7 @@ struct Gaussians {
 
   const Eigen::Vector3f* sh_of(size_t i) const { return &sh[i * sh_coefficient_count(sh_degree)]; }
   // sRGB at degree 0, not cut.
-  Eigen::Vector3f base_color(size_t i) const { return (0.28209479177387814f * sh_of(i)[0]).array() + 0.5f; }
+  Eigen::Vector3f base_color(size_t i) const { return (static_cast<float>(kShC0) * sh_of(i)[0]).array() + 0.5f; }
 
   // Resizes every array to n Gaussians of the given degree; new Gaussians are zero but for a unit rotation.
   void resize(size_t n, int degree) {

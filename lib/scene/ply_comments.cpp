@@ -1,16 +1,15 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
 
 #include "base/error.h"
+#include "base/words.h"
 #include "scene/gaussian_readers.h"
 
 namespace physmas {
 namespace {
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+std::string lower(const std::string& comment) {
+  std::string text = lower_case(comment);
   const size_t last = text.find_last_not_of(" \t\r");
   text.resize(last == std::string::npos ? 0 : last + 1);
   const size_t first = text.find_first_not_of(" \t");

@@ -16,7 +16,6 @@ constexpr std::array<std::array<float, 3>, 9> kPalette = {{{0.00f, 0.45f, 0.70f}
                                                            {0.50f, 0.30f, 0.65f},
                                                            {0.55f, 0.40f, 0.25f}}};
 constexpr std::array<float, 3> kResidual = {0.55f, 0.55f, 0.55f};
-constexpr float kShC0 = 0.28209479177387814f;
 constexpr float kOwnLight = 0.35f;  // share of the scene's own lightness
 
 }  // namespace
@@ -35,9 +34,9 @@ Gaussians painted_by_row(const Gaussians& gaussians, const std::vector<int32_t>&
   painted.sh.resize(gaussians.size());
   for (size_t i = 0; i < gaussians.size(); ++i) {
     const std::array<float, 3> color = row_color(row[i], residual[row[i]]);
-    const Eigen::Vector3f own = (kShC0 * gaussians.sh_of(i)[0]).array() + 0.5f;
+    const Eigen::Vector3f own = (float(kShC0) * gaussians.sh_of(i)[0]).array() + 0.5f;
     const float light = (1 - kOwnLight) + 2 * kOwnLight * std::min(1.0f, std::max(0.0f, own.mean()));
-    for (int c = 0; c < 3; ++c) painted.sh[i][c] = (color[c] * light - 0.5f) / kShC0;
+    for (int c = 0; c < 3; ++c) painted.sh[i][c] = (color[c] * light - 0.5f) / float(kShC0);
   }
   return painted;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "bind/timing.h"
 #include "metrics/motion.h"
 #include "studies/point_tracks.h"
 
@@ -40,18 +41,9 @@ Trace trace(const mpm::Problem& problem, const AccuracySetting& setting, double 
   options.device = setting.device;
   Trace t;
   t.result = mpm::run(p, timing, options, [&](const mpm::Frame& frame) {
-    std::vector<mpm::Vec3d> x(frame.state.size() / children, {0, 0, 0});
-    for (size_t i = 0; i < frame.state.size(); ++i) {
-      x[i / children] = x[i / children] + (1.0 / children) * frame.state.x[i];
-    }
-    t.position.push_back(std::move(x));
+    t.position.push_back(means_of_children(frame.state.x, children));
   });
   return t;
-}
-
-// A fixed pinhole camera in front of the cases, 2 m away, 400 × 400 pixels.
-Camera study_camera() {
-  return look_at({1.4, -0.95, 1.3}, {1, 1, 0.72}, {0, 0, 1}, 0.55, 400, 400);
 }
 
 class ErrorJudge {
@@ -102,7 +94,7 @@ double median(std::vector<double> values) {
 
 AccuracyStep fixed_step(double dt) {
   return {fmt::format("{:g}", dt), [dt](const mpm::Problem&, mpm::Timing& timing) {
-            timing.substeps = std::max(1, static_cast<int>(std::ceil(timing.frame_dt / dt * (1 - 1e-9))));
+            timing.substeps = bind::whole_substeps(dt, timing.frame_dt);
           }};
 }
 

@@ -103,4 +103,11 @@ Problem subdivide(const Problem& problem, double spacing, int k) {
   return fine;
 }
 
+std::vector<Vec3d> means_of_children(const std::vector<Vec3d>& x, size_t children) {
+  std::vector<Vec3d> mean(x.size() / children, {0, 0, 0});
+  for (size_t i = 0; i < x.size(); ++i)
+    mean[i / children] = mean[i / children] + (1.0 / static_cast<double>(children)) * x[i];
+  return mean;
+}
+
 }  // namespace physmas::studies

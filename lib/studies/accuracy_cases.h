@@ -29,6 +29,8 @@ std::vector<AccuracyCase> accuracy_cases(double spacing);
 // Every particle replaced by k³ on the lattice of spacing / k around it, with an equal part of its volume. Particle i
 // becomes k³ i … k³ i + k³ - 1, whose mean is where particle i is.
 mpm::Problem subdivide(const mpm::Problem& problem, double spacing, int k = 2);
+// Back from places of the subdivided particles: the means of `children` at a time.
+std::vector<mpm::Vec3d> means_of_children(const std::vector<mpm::Vec3d>& x, size_t children);
 
 }  // namespace physmas::studies
 

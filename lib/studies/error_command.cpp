@@ -11,6 +11,7 @@
 #include "base/output.h"
 #include "bind/problem.h"
 #include "bind/start.h"
+#include "bind/timing.h"
 #include "bind/vector.h"
 #include "records/execution.h"
 #include "records/json.h"
@@ -71,7 +72,7 @@ struct MeasuredRun {
     timing.frame_dt = scene.run.time.frame_dt;
     timing.rule = mpm::StepRule::cfl;
     const double step = factor * (execution.step_rule == "cfl" ? scene.run.time.substep_dt : execution.dt);
-    timing.substeps = std::max(1, static_cast<int>(std::ceil(timing.frame_dt / step * (1 - 1e-9))));
+    timing.substeps = bind::whole_substeps(step, timing.frame_dt);
     return timing;
   }
 

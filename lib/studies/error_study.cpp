@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "bind/timing.h"
 #include "metrics/motion.h"
-#include "scene/camera.h"
 #include "studies/error_cases.h"
 #include "studies/point_tracks.h"
 
@@ -23,7 +23,7 @@ mpm::Timing timing_of(const AccuracyCase& setup, const ErrorStudyPlan& plan, dou
   mpm::Timing timing;
   timing.frame_dt = plan.frame_dt;
   timing.frames = static_cast<int>(std::lround(setup.duration / plan.frame_dt)) + 1;
-  timing.substeps = std::max(1, static_cast<int>(std::ceil(plan.frame_dt / dt * (1 - 1e-9))));
+  timing.substeps = bind::whole_substeps(dt, plan.frame_dt);
   timing.rule = rule;
   return timing;
 }
@@ -35,10 +35,7 @@ PointPaths trace(const mpm::Problem& problem, const mpm::Timing& timing, const D
   options.device = device;
   PointPaths paths;
   const mpm::Result result = mpm::run(problem, timing, options, [&](const mpm::Frame& frame) {
-    std::vector<Vec3d> x(frame.state.size() / children, {0, 0, 0});
-    for (size_t i = 0; i < frame.state.size(); ++i)
-      x[i / children] = x[i / children] + (1.0 / static_cast<double>(children)) * frame.state.x[i];
-    paths.push_back(std::move(x));
+    paths.push_back(means_of_children(frame.state.x, children));
   });
   if (result.status != mpm::Status::stable) throw internal_error("a run of the error study diverged: " + result.reason);
   if (seconds) *seconds = result.seconds_total;
@@ -84,7 +81,7 @@ ErrorStudyRow study_error(const ErrorCase& error_case, const ErrorStudyPlan& pla
                                      static_cast<size_t>(finer) * finer * finer);
 
   const std::vector<int>& row_of = problem.particles.row;
-  const Camera camera = look_at({1.4, -0.95, 1.3}, {1, 1, 0.72}, {0, 0, 1}, 0.55, 400, 400);
+  const Camera camera = study_camera();
   row.estimate[0] = position_error(paths, row_of, -1, orders_of(problem));
   const ImageErrors image = image_errors(paths, camera, 0.75 * spacing, row.estimate[0]);
   row.estimate[1] = image.trajectory, row.estimate[2] = image.area, row.estimate[3] = image.strain;

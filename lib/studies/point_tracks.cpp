@@ -5,6 +5,10 @@
 
 namespace physmas::studies {
 
+Camera study_camera() {
+  return look_at({1.4, -0.95, 1.3}, {1, 1, 0.72}, {0, 0, 1}, 0.55, 400, 400);
+}
+
 void PointTracker::draw(const std::vector<mpm::Vec3d>& x) {
   const size_t pixels = static_cast<size_t>(camera_.width) * camera_.height;
   front_.assign(pixels, -1);

@@ -10,6 +10,9 @@
 
 namespace physmas::studies {
 
+// A fixed pinhole camera in front of the studies' cases, 2 m away, 400 × 400 pixels.
+Camera study_camera();
+
 // Particles are drawn as discs of `radius` [m] that face the camera, nearest first; the silhouette is what they cover.
 class PointTracker {
  public:

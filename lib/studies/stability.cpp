@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/team.h"
+#include "bind/timing.h"
 #include "mpm/material/constitutive.h"
 
 namespace physmas::studies {
@@ -84,7 +85,7 @@ mpm::Timing make_timing(const StabilityCase& c, bool cfl, double paper_dt) {
   const int intervals = std::max(1, c.frames - 1);
   const double dt = cfl ? kLargestStep : paper_dt;
   t.frame_dt = (cfl ? c.duration : std::max(c.duration, kFewestSteps * dt)) / intervals;
-  t.substeps = std::max(1, static_cast<int>(std::ceil(t.frame_dt / dt * (1 - 1e-9))));
+  t.substeps = bind::whole_substeps(dt, t.frame_dt);
   // Exactly the paper's step, also where a frame is not a whole number of them.
   if (!cfl) t.frame_dt = t.substeps * dt;
   return t;
@@ -166,7 +167,7 @@ StabilityRun run_case(const StabilityCase& c, bool cfl, mpm::Precision precision
     Judge other(c.problem);
     mpm::Timing same = make_timing(c, true, paper_dt);
     same.frame_dt = timing.frame_dt;
-    same.substeps = std::max(1, static_cast<int>(std::ceil(same.frame_dt / kLargestStep * (1 - 1e-9))));
+    same.substeps = bind::whole_substeps(kLargestStep, same.frame_dt);
     run_judged(c, same, mpm::Precision::full, device, other);
     reference = {duration, other.x};
   }

@@ -30,3 +30,12 @@ cancel() { setsid bash "${BASH_SOURCE[0]%/*}/slurm-cancel.sh" "$1" </dev/null >/
 # nap SECONDS: without a process.
 nap() { read -rt "$1" -u "$napping" || true; }
 exec {napping}<> <(:)
+
+# let_go_of_pipes: nobody shall wait for this process because it holds the end of a pipe. Bash reads its script from 255.
+let_go_of_pipes() {
+  local fd
+  for fd in /proc/self/fd/*; do
+    fd=${fd##*/}
+    if [ "$fd" -gt 2 ] && [ "$fd" -ne 255 ] && [ "$fd" -ne "$napping" ]; then eval "exec $fd>&-"; fi
+  done
+}

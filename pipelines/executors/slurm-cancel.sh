@@ -3,11 +3,8 @@
 # none: slurmctld may be away, or may only just be about to start what a process that has been killed asked for. At most half an hour.
 set -u
 name=$1
-for fd in /proc/self/fd/*; do
-  fd=${fd##*/}
-  if [ "$fd" -gt 2 ] && [ "$fd" -ne 255 ]; then eval "exec $fd>&-"; fi
-done
 source "${BASH_SOURCE[0]%/*}/job-files.sh"
+let_go_of_pipes
 trap '' INT HUP
 gone=0
 until [ $gone -ge 3 ] || [ $SECONDS -gt 1800 ]; do

@@ -3,12 +3,8 @@
 # shell (PARENT) is gone it ends the wrapper; when the wrapper is gone before it has cleared up, it takes its note away and cancels the
 # job: whatever is killed, no job goes on that nobody waits for.
 wrapper=$1 wrapper_start=$2 make=$3 make_start=$4 parent=$5 parent_start=$6 note=$7
-# Nobody shall wait for this process because it holds the end of a pipe.
-for fd in /proc/self/fd/*; do
-  fd=${fd##*/}
-  if [ "$fd" -gt 2 ] && [ "$fd" -ne 255 ]; then eval "exec $fd>&-"; fi
-done
 source "${BASH_SOURCE[0]%/*}/job-files.sh"
+let_go_of_pipes
 trap '' INT HUP
 while lives "$wrapper" "$wrapper_start"; do
   if ! lives "$make" "$make_start" || ! lives "$parent" "$parent_start"; then kill -TERM "$wrapper" 2>/dev/null; fi

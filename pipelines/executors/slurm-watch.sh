@@ -4,11 +4,8 @@
 # would keep their cores. It ends some time after make, when it has seen none three times.
 set -u
 make=$1
-for fd in /proc/self/fd/*; do
-  fd=${fd##*/}
-  if [ "$fd" -gt 2 ] && [ "$fd" -ne 255 ]; then eval "exec $fd>&-"; fi
-done
 source "${BASH_SOURCE[0]%/*}/job-files.sh"
+let_go_of_pipes
 trap '' INT HUP
 make_start=$(start_of "$make")
 clean=0 looks=0

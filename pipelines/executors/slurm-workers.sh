@@ -44,10 +44,7 @@ make_start=$(start_of "$make")
 export make make_start queue count array
 (
   trap '' INT HUP TERM
-  for fd in /proc/self/fd/*; do
-    fd=${fd##*/}
-    if [ "$fd" -gt 2 ] && [ "$fd" -ne 255 ] && [ "$fd" -ne "$napping" ]; then eval "exec $fd>&-"; fi
-  done
+  let_go_of_pipes
   echo "$BASHPID $(start_of "$BASHPID")" >"$queue/watch"
   beat=0
   while lives "$make" "$make_start"; do
