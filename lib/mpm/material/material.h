@@ -50,30 +50,6 @@ struct MaterialParameters {
   T residual_yield;   // plasticine: strength never falls below this [Pa]
 };
 
-inline MaterialParameters<double> derive_parameters(const Material& m, const ProfileConstants& c) {
-  MaterialParameters<double> p{};
-  const Lame elastic = lame(m.E, m.nu);
-  p.mu = elastic.mu;
-  p.lambda = elastic.lambda;
-  p.bulk = p.lambda + 2 * p.mu / 3;
-  p.density = m.rho;
-  const double sine = std::sin(c.sand_friction_angle * kPi / 180);
-  p.inverse_mu = 1 / (2 * p.mu);
-  p.friction = kRootTwoThirds * 2 * sine / (3 - sine);
-  p.strain_friction = p.friction * (3 * p.lambda + 2 * p.mu) * p.inverse_mu;
-  p.alpha = c.drucker_prager_alpha;
-  p.cohesion = m.branch == Branch::sand   ? c.sand_cohesion
-               : m.branch == Branch::snow ? c.snow_cohesion
-                                          : c.plasticine_cohesion;
-  constexpr double kNoTip = 1e30;  // where the cone is a cylinder; fits every type
-  p.apex = p.cohesion < 3 * p.alpha * kNoTip ? p.cohesion / (3 * p.alpha) : p.cohesion > 0 ? kNoTip : 0;
-  p.yield = m.branch == Branch::foam ? c.foam_yield : c.plasticine_yield;
-  p.viscosity = c.foam_viscosity;
-  p.softening = c.plasticine_softening;
-  p.residual_yield = c.plasticine_residual * c.plasticine_yield;
-  return p;
-}
-
 // What of a material may differ from particle to particle of a row; the branch and the constants of its profile may
 // not.
 template <class T>
@@ -93,11 +69,28 @@ PHYSMAS_HOST_DEVICE PHYSMAS_INLINE MaterialParameters<T> with_elasticity(Materia
                                                                          const ParticleElasticity<T>& own) {
   p.mu = own.mu;
   p.lambda = own.lambda;
-  p.bulk = own.lambda + Scalar<T>(2.0 / 3.0) * own.mu;
+  p.bulk = own.lambda + Scalar<T>(2) * own.mu / T(Scalar<T>(3));
   p.density = own.density;
   p.inverse_mu = T(Scalar<T>(0.5)) / own.mu;
   p.strain_friction = p.friction * (Scalar<T>(3) * own.lambda + Scalar<T>(2) * own.mu) * p.inverse_mu;
   return p;
+}
+
+inline MaterialParameters<double> derive_parameters(const Material& m, const ProfileConstants& c) {
+  MaterialParameters<double> p{};
+  const double sine = std::sin(c.sand_friction_angle * kPi / 180);
+  p.friction = kRootTwoThirds * 2 * sine / (3 - sine);
+  p.alpha = c.drucker_prager_alpha;
+  p.cohesion = m.branch == Branch::sand   ? c.sand_cohesion
+               : m.branch == Branch::snow ? c.snow_cohesion
+                                          : c.plasticine_cohesion;
+  constexpr double kNoTip = 1e30;  // where the cone is a cylinder; fits every type
+  p.apex = p.cohesion < 3 * p.alpha * kNoTip ? p.cohesion / (3 * p.alpha) : p.cohesion > 0 ? kNoTip : 0;
+  p.yield = m.branch == Branch::foam ? c.foam_yield : c.plasticine_yield;
+  p.viscosity = c.foam_viscosity;
+  p.softening = c.plasticine_softening;
+  p.residual_yield = c.plasticine_residual * c.plasticine_yield;
+  return with_elasticity(p, elasticity_of(m));
 }
 
 // Each number from the same number of the given parameters.
