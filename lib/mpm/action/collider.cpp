@@ -1,52 +1,20 @@
 #include "mpm/action/collider.h"
 
-#include <algorithm>
-
 namespace physmas::mpm {
 
-namespace {
-
-Contact locate_in_box(const Collider& c, const Vec3d& x) {
-  const Vec3d d = x - c.center;
-  Vec3d beyond{}, normal{0, 0, 0};
-  for (int i = 0; i < 3; ++i) beyond[i] = std::fabs(d[i]) - c.half_size[i];
-  if (beyond.x <= 0 && beyond.y <= 0 && beyond.z <= 0) {
-    int face = 0;
-    for (int i = 1; i < 3; ++i)
-      if (beyond[i] > beyond[face]) face = i;
-    normal[face] = d[face] < 0 ? -1 : 1;
-    return {beyond[face], normal};
+bool near_obstacle(const Domain& domain, const int* first, int nodes) {
+  const double dx = domain.dx();
+  const int last_free = domain.n - domain.wall_cells;
+  Vec3d center{};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (first[axis] <= domain.wall_cells || first[axis] + nodes - 1 >= last_free) return true;
+    center[axis] = (first[axis] + 0.5 * (nodes - 1)) * dx;
   }
-  Vec3d outside{};
-  for (int i = 0; i < 3; ++i) outside[i] = beyond[i] > 0 ? (d[i] < 0 ? -beyond[i] : beyond[i]) : 0;
-  const double distance = norm(outside);
-  return {distance, (1 / distance) * outside};
-}
-
-}  // namespace
-
-Contact locate(const Collider& c, const Vec3d& x) {
-  if (c.type == Collider::Type::box) return locate_in_box(c, x);
-  if (c.type == Collider::Type::plane) {
-    const Vec3d n = (1 / norm(c.normal)) * c.normal;
-    return {dot(x - c.center, n), n};
+  const double reach = 0.5 * (nodes - 1) * std::sqrt(3.0) * dx * (1 + 1e-9);
+  for (const Collider& c : domain.colliders) {
+    if (locate(c, center).distance <= reach) return true;
   }
-  const Vec3d d = x - c.center;
-  const double distance = norm(d);
-  // At the very centre of a sphere every direction is as good as any other.
-  return {distance - c.radius, distance > 0 ? (1 / distance) * d : Vec3d{0, 0, 1}};
-}
-
-Vec3d apply_contact(const Collider& c, const Contact& contact, const Vec3d& u) {
-  if (contact.distance > 0) return u;
-  if (c.mode == Collider::Mode::sticky) return {0, 0, 0};
-  const double normal_speed = dot(u, contact.normal);
-  if (normal_speed >= 0 && c.mode == Collider::Mode::separate) return u;
-  const Vec3d tangential = u - normal_speed * contact.normal;
-  const double speed = norm(tangential);
-  const double loss = c.friction * std::max(0.0, -normal_speed);
-  if (speed <= loss) return {0, 0, 0};
-  return (1 - (speed > 0 ? loss / speed : 0)) * tangential;
+  return false;
 }
 
 }  // namespace physmas::mpm

@@ -81,7 +81,6 @@ class Grid {
       function(r, first + r / kBlock * layout.step_x() + r % kBlock * layout.step_y());
     }
   }
-  bool near_obstacle(const GridBlock& block) const;
   typedef T Nodes __attribute__((vector_size(kNodeRow * sizeof(T))));  // of one node row
   // Grid update: what nodes have received, {m, p}, to {0, u}, and a fall by gravity [m/s].
   static PHYSMAS_INLINE Nodes grid_update(const Nodes& received, const Nodes& fall);
@@ -123,7 +122,11 @@ void Grid<T>::prepare() {
   energy_.assign(map_.grid_blocks.size(), {});
   speed_.assign(map_.grid_blocks.size(), 0);
   obstacle_.assign(map_.grid_blocks.size(), 0);
-  for (size_t b = 0; b < obstacle_.size(); ++b) obstacle_[b] = near_obstacle(map_.grid_blocks[b]);
+  for (size_t b = 0; b < obstacle_.size(); ++b) {
+    const int* const at = map_.grid_blocks[b].position;
+    const int first[3] = {kBlock * at[0], kBlock * at[1], kBlock * at[2]};
+    obstacle_[b] = near_obstacle(setup_.domain, first, kBlock);
+  }
   const int chunks = (static_cast<int>(map_.grid_blocks.size()) + kChunk - 1) / kChunk;
   // Where one thread has all particles, waking another takes longer than the grid.
   chunk_bounds_ = Team::even_ranges(chunks, map_.shared() ? team_.threads() : 1);
@@ -155,22 +158,6 @@ void Grid<T>::clear() {
       }
     });
   }
-}
-
-template <class T>
-bool Grid<T>::near_obstacle(const GridBlock& block) const {
-  const int last_free = setup_.domain.n - setup_.domain.wall_cells;
-  Vec3d center{};
-  for (int axis = 0; axis < 3; ++axis) {
-    const int first = kBlock * block.position[axis];
-    if (first <= setup_.domain.wall_cells || first + kBlock - 1 >= last_free) return true;
-    center[axis] = (first + 0.5 * (kBlock - 1)) * dx_;
-  }
-  const double reach = 0.5 * (kBlock - 1) * std::sqrt(3.0) * dx_ * (1 + 1e-9);
-  for (const Collider& c : setup_.domain.colliders) {
-    if (locate(c, center).distance <= reach) return true;
-  }
-  return false;
 }
 
 // u_a = p_a / m_a (paper, Eq. "gridupdate"), then gravity. A node without mass falls as well; no one sees it.
