@@ -140,7 +140,8 @@ Simulation::Simulation(const Problem& problem, const Timing& timing, const Optio
       setup_(make_setup(problem, options, actions_)),
       retentions_(
           CompiledRetention::compile(problem.schedule.retentions, problem.particles, problem.schedule.projections)),
-      stepper_(make_stepper(options.device, options.precision, setup_)),
+      stepper_(options.stepper ? options.stepper(options.precision, setup_)
+                               : make_stepper(options.device, options.precision, setup_)),
       adaptive_(setup_, timing.frame_dt / timing.substeps, (timing.frames - 1) * timing.frame_dt, options.max_steps),
       state_(rest_state(problem.particles, setup_)),
       hopeless_(hopeless_step(setup_)) {

@@ -6,6 +6,7 @@
 #define PHYSMAS_MPM_SIMULATION_H
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,8 @@ struct Options {
   bool measure_energy = true;        // elastic energy and the range of det F at output frames
   bool measure_steps = false;        // the energy budget of every substep (much slower); implies measure_energy
   long long max_steps = 10'000'000;  // a run that needs more ends as `diverged`, reason "budget"
+  // Takes the place of make_stepper: for tests of a back end that no device stands for.
+  std::function<std::unique_ptr<Stepper>(Precision, const StepperSetup&)> stepper;
 };
 
 // Handed to the callback at every output frame, frame 0 first. `state` holds all particles in the callers' order, after
