@@ -38,7 +38,7 @@ endif
 override BUILD := $(patsubst $(CURDIR)/%,%,$(BUILD))
 
 .DEFAULT_GOAL := all
-include packaging/kernels.mk
+include packaging/kernels.mk packaging/cuda.mk
 
 CPPFLAGS := -Ilib -Itests -I$(BUILD)/gen -isystem /usr/include/hdf5/serial -isystem /usr/include/opencv4 \
             -isystem /usr/include/eigen3 -DPHYSMAS_VERSION='"$(VERSION)"' $(if $(KERNEL_SETS),-DPHYSMAS_KERNEL_SETS)
@@ -48,9 +48,9 @@ CXXFLAGS := -std=c++17 -march=$(MARCH) $(MODE_FLAGS) -fopenmp -fno-math-errno -f
 LDFLAGS := -fopenmp $(if $(filter 1,$(SAN)),-fsanitize=address$(,)undefined) -Wl,--as-needed
 LDLIBS := -L/usr/lib/x86_64-linux-gnu/hdf5/serial -L/usr/lib/aarch64-linux-gnu/hdf5/serial -lhdf5 \
           -lopencv_video -lopencv_imgcodecs -lopencv_imgproc -lopencv_core \
-          -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lz -lzstd -lzip -lfmt
+          -lavformat -lavcodec -lswscale -lavutil -lcurl -lcrypto -lz -lzstd -lzip -lfmt $(CUDA_LIBS)
 
-LIB_SOURCES := $(wildcard lib/*/*.cpp lib/*/*/*.cpp)
+LIB_SOURCES := $(filter-out $(if $(CUDA_OBJECTS),$(WITHOUT_CUDA)),$(wildcard lib/*/*.cpp lib/*/*/*.cpp))
 TOOL_SOURCES := $(wildcard tools/*.cpp)
 UNIT_SOURCES := $(wildcard $(addprefix tests/unit/,*.cpp */*.cpp */*/*.cpp))
 TEST_TOOL_SOURCES := $(wildcard tests/tools/*.cpp)
@@ -64,7 +64,7 @@ BIN := $(BUILD)/bin
 # compiled at a time; their object is named after them, lib/lift/assignment+evidence.o. TOGETHER=1 compiles each alone, as
 # always those that take long or decide speed. Sources with JSON keep together: what they share takes longer.
 TOGETHER ?= 6
-ALONE := $(KERNELS) $(addprefix lib/,base/command_line.cpp records/validator.cpp splat/sh_rotation.cpp)
+ALONE := $(KERNELS) $(WITHOUT_CUDA) $(addprefix lib/,base/command_line.cpp records/validator.cpp splat/sh_rotation.cpp)
 JSON_SOURCES := $(shell grep -rlE '^.include "records/(json|((json|run)_)?fields)\.h"' --include=*.cpp lib tools tests)
 rest := $(shell echo $$(($(TOGETHER) + 1)))
 # $(call joined,NAMES): one word for each TOGETHER of them.
@@ -81,7 +81,7 @@ sources_of = $(foreach name,$(subst +, ,$(notdir $(1))),$(dir $(1))$(name).cpp)
 # What only pm-eval needs is a library of its own: a run does not wait for it.
 EVAL_SOURCES := $(filter lib/metrics/% lib/studies/% lib/tables/%,$(LIB_SOURCES))
 EVAL_OBJECTS := $(call objects,$(EVAL_SOURCES))
-RUN_OBJECTS := $(call objects,$(filter-out $(EVAL_SOURCES) $(if $(KERNEL_SETS),$(KERNELS)),$(LIB_SOURCES))) $(KERNEL_OBJECTS) $(BUILD)/obj/gen/embedded_texts.o
+RUN_OBJECTS := $(call objects,$(filter-out $(EVAL_SOURCES) $(if $(KERNEL_SETS),$(KERNELS)),$(LIB_SOURCES))) $(KERNEL_OBJECTS) $(CUDA_OBJECTS) $(BUILD)/obj/gen/embedded_texts.o
 RUN_LIBRARY := $(BUILD)/libphysmas.a
 EVAL_LIBRARY := $(BUILD)/libphysmas-eval.a
 LIBRARIES := $(EVAL_LIBRARY) $(RUN_LIBRARY)
@@ -145,12 +145,12 @@ $(BUILD)/obj/gen/%.o: $(BUILD)/gen/%.cpp
 	@mkdir -p $(@D)
 	$(Q)$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c $< -o $@
 
-$(RUN_LIBRARY): $(RUN_OBJECTS)
+$(RUN_LIBRARY): $(RUN_OBJECTS) $(wildcard $(cuda_built_for))
 $(EVAL_LIBRARY): $(EVAL_OBJECTS)
 $(LIBRARIES):
 	@rm -f $@
 	$(call say,AR,$@)
-	$(Q)ar rcs $@ $^
+	$(Q)ar rcs $@ $(filter %.o,$^)
 
 $(BIN)/%: $(BUILD)/obj/tools/%.o $$(if $$(filter pm-eval,$$*),$(EVAL_LIBRARY)) $(RUN_LIBRARY)
 	@mkdir -p $(@D)
@@ -238,7 +238,7 @@ build/test/python/.installed:
 BUILT_TOOLS := $(TOOLS:%=$(BIN)/%)
 SAME_MAKE :=
 # What a run may be given beside its own variables, because it builds the tools.
-BUILD_VARIABLES := CXX CPPFLAGS CXXFLAGS EXTRA_CXXFLAGS LDFLAGS LDLIBS ARCH MARCH OPT PLAIN_OPT SAN BUILD V TOGETHER PRECOMPILE WERROR
+BUILD_VARIABLES := CXX CPPFLAGS CXXFLAGS EXTRA_CXXFLAGS LDFLAGS LDLIBS ARCH MARCH OPT PLAIN_OPT SAN BUILD V TOGETHER PRECOMPILE WERROR NVCC CUDA CUDA_ARCH
 include pipelines/runs.mk
 ifneq ($(filter pictures,$(MAKECMDGOALS)),)
   include docs/pictures.mk
@@ -281,7 +281,6 @@ check-portable: $(BUILD)/gen/embedded_texts.cpp ## Compile the solver for proces
 	  echo "$(KERNELS) compile for $$arch"; done
 
 # The solver's laws for a GPU: tests/cuda/laws.cu compares them with plain numbers where there is one.
-NVCC ?= $(firstword $(shell command -v nvcc) $(wildcard /usr/local/cuda/bin/nvcc))
 .PHONY: check-cuda
 check-cuda: $(if $(NVCC),$(BUILD)/test/cuda/laws) ## Compile the solver's laws for a GPU where nvcc is found, and run them where a GPU is
 	$(Q)$(if $(NVCC),$<,echo 'nvcc not found: the laws are not compiled for a GPU, skipped')
@@ -411,8 +410,8 @@ $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(LIBRARIES)
 # Measure on a quiet machine; `make accuracy DOCS=1` also puts the plots of docs/numerics.md in their place.
 ACCURACY ?= runs/accuracy
 .PHONY: accuracy verification error-study
-accuracy: $(BIN)/pm-eval ## Error of the solver against run time: JSON, CSV and plots in runs/accuracy
-	$(Q)$(BIN)/pm-eval accuracy --out $(ACCURACY)
+accuracy: $(BIN)/pm-eval ## Error of the solver against run time: JSON, CSV and plots in runs/accuracy: [DEVICE=cuda]
+	$(Q)$(BIN)/pm-eval accuracy --out $(ACCURACY) $(if $(DEVICE),--device $(DEVICE))
 	$(if $(DOCS),$(Q)cp $(ACCURACY)/accuracy-position.png $(ACCURACY)/accuracy-strain.png $(ACCURACY)/accuracy-energy.png docs/images/)
 
 verification: $(BIN)/pm-eval ## The solver against analytic answers, under refinement
@@ -434,7 +433,7 @@ schemas: $(BUILD)/test/write_schemas ## Write the schemas that stem from lists o
 # --- Housekeeping -------------------------------------------------------------------------------------------------
 
 # What is made in a folder of builds; it may hold other things.
-MADE := bin obj gen precompiled test bench share libphysmas.a libphysmas-eval.a manifest
+MADE := bin obj gen precompiled test bench share libphysmas.a libphysmas-eval.a manifest cuda-arch
 .PHONY: clean format help
 clean: ## Remove build/, or BUILD (runs/ stays)
 	rm -rf -- $(if $(filter build,$(BUILD)),build,$(MADE:%=$(BUILD)/%))
@@ -446,4 +445,4 @@ format: ## Format the sources with clang-format
 help: ## List the targets
 	@echo 'Usage: make [target] [NAME=value ...]'
 	@grep -hE '^[a-z-]+:.*##' Makefile packaging/*.mk | awk -F ':.*## ' '{ printf "  %-10s %s\n", $$1, $$2 }'
-	@echo 'Variables: CXX, ARCH=native (or baseline: any processor), SAN=1 (sanitizers), BUILD=build, V=1 (print commands), PREFIX, THREADS'
+	@echo 'Variables: CXX, ARCH=native (or baseline: any processor), SAN=1 (sanitizers), BUILD=build, V=1 (print commands), PREFIX, THREADS, DEVICE, CUDA_ARCH'

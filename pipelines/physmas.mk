@@ -25,6 +25,7 @@
 # BASE     another run of the same scene: ground, lift and material whose inputs are equal to its inputs take its results
 # ERROR    1: also estimate the accepted run's discretisation error, from the same scene on fewer cells     -> pm-eval error
 # THREADS  threads per tool; by default the executor says how many
+# DEVICE   where simulations run: auto, cpu or cuda                                               -> pm-simulate --device
 # EXECUTOR where tools run: the name of a file in executors/ (local), or a file
 #
 # Two conventions carry the incremental behaviour:
@@ -171,7 +172,7 @@ $(STAMPS)/simulate-$(1): $(RUN)/spec/simulate.json $(RUN)/state.h5 $(RUN)/candid
 	$$(call stage,simulate,$$(RUN)/rollouts/$(1).h5)
 	@PM_CANDIDATE=$(3) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/rollouts/$(1).h5 $$(RUN)/rollouts/$(1).json,$$@.log) \
 	$(BIN)/pm-simulate --scene $$< --state $(RUN)/state.h5 --candidate $(RUN)/candidates/$(1).json \
-	  --out $(RUN)/rollouts/$(1).h5 --threads $$(threads)
+	  --out $(RUN)/rollouts/$(1).h5 --threads $$(threads)$(if $(DEVICE), --device $(DEVICE))
 	$$(finish)
 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json: $(STAMPS)/simulate-$(1) ;
 $(STAMPS)/render-$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json $(2) \

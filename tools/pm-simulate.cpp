@@ -15,6 +15,7 @@
 #include "bind/tearing.h"
 #include "bind/timing.h"
 #include "bind/vector.h"
+#include "mpm/device_choice.h"
 #include "records/json.h"
 #include "records/scene.h"
 
@@ -31,7 +32,11 @@ struct CliOptions {
   bool strict = false;
 };
 
-Provenance provenance_of(const CliOptions& options, const std::string& rule) {
+const char* device_name(const Device& device) {
+  return device.kind == Device::Kind::cuda ? "cuda" : "cpu";
+}
+
+Provenance provenance_of(const CliOptions& options, const std::string& rule, const Device& device) {
   Provenance provenance;
   provenance.tool = "pm-simulate";
   provenance.options = {{"timestep", rule}, {"precision", options.precision}, {"energy", options.energy}};
@@ -39,6 +44,8 @@ Provenance provenance_of(const CliOptions& options, const std::string& rule) {
   if (options.frames > 0) provenance.options.emplace_back("frames", std::to_string(options.frames));
   if (options.max_steps != mpm::Options().max_steps)
     provenance.options.emplace_back("max-steps", std::to_string(options.max_steps));
+  // Sums are rounded otherwise there.
+  if (device.kind == Device::Kind::cuda) provenance.options.emplace_back("device", device_name(device));
   for (const std::string& input : {options.scene, options.state, options.candidate}) provenance.add_input(input);
   return provenance;
 }
@@ -64,7 +71,11 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
 
   mpm::Problem problem = bind::bind_problem(candidate, state, run, {options.state, options.candidate});
   const std::string rule = options.timestep.empty() ? run.time.rule : options.timestep;
-  const Provenance provenance = provenance_of(options, rule);
+  mpm::Options solver = solver_options(options, common, run);
+  const mpm::DeviceChoice choice =
+      mpm::choose_device(problem, bind::bind_timing(rule, run.time, candidate, options.candidate).timing, solver);
+  solver.device = choice.device;
+  const Provenance provenance = provenance_of(options, rule, choice.device);
   double speed = 0;  // particle-steps/s
   const std::optional<mpm::Equilibrium> start = bind::bind_start(run.time, common.device, problem);
   const auto attempt = [&](const std::string& by, const mpm::Options& solver, bool only_if_stable) {
@@ -88,9 +99,10 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
     record.achieved = achievement.result();
     record.stillness = stillness.result();
     record.torn = torn;
+    record.runtime["device"] = device_name(choice.device);
+    record.runtime["device_reason"] = choice.why;
     return record;
   };
-  mpm::Options solver = solver_options(options, common, run);
   ExecutionRecord record = attempt(rule, solver, false);
   // An explicit --timestep is what the caller wants to see.
   if (record.diverged && record.step_rule == "paper" && options.timestep.empty() && run.time.on_divergence == "cfl") {

@@ -13,8 +13,20 @@ setup() { enter_tiny_run; }
   fails_with 2 simulate --timestep soon -- "--timestep" "soon"
   fails_with 2 simulate --timestep cfll -- "cfl"
   fails_with 2 simulate --max-steps 0 -- "--max-steps"
-  fails_with 2 simulate --device cuda -- "CUDA"
+  fails_with 2 simulate --device tpu -- "tpu"
   fails_with 2 simulate --out rollouts/x.txt -- ".h5"
+}
+
+# A build with kernels refuses for another reason, and where there is a card it does not.
+@test "pm-simulate: where there is no GPU, cuda is refused in one sentence, and auto takes the CPU and says why" {
+  if nvidia-smi >nvidia.log 2>&1; then skip "there is a card"; fi
+  fails_with 2 simulate --device cuda -- "--device cuda: " "expected cpu or auto"
+  simulate --device auto --out rollouts/auto.h5
+  grep -q '"device": "cpu"' rollouts/auto.json
+  grep -q '"device_reason": "at most .* s of work: less than a GPU is worth starting for"' rollouts/auto.json
+  simulate --device cpu --out rollouts/cpu.h5
+  grep -q '"device_reason": "asked for"' rollouts/cpu.json
+  cmp rollouts/auto.h5 rollouts/cpu.h5
 }
 
 @test "pm-simulate: a rollout and its record" {

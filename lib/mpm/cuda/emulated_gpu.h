@@ -125,10 +125,12 @@ class Queue {
     return memory;
   }
   static void release(void* memory) { std::free(memory); }
-  void copy_in(void* to, const void* from, size_t bytes) { std::memcpy(to, from, bytes); }
-  void copy_out(void* to, const void* from, size_t bytes) { std::memcpy(to, from, bytes); }
-  void copy_on(void* to, const void* from, size_t bytes) { std::memcpy(to, from, bytes); }
-  void zero(void* memory, size_t bytes) { std::memset(memory, 0, bytes); }
+  void copy_in(void* to, const void* from, size_t bytes) { copy(to, from, bytes); }
+  void copy_out(void* to, const void* from, size_t bytes) { copy(to, from, bytes); }
+  void copy_on(void* to, const void* from, size_t bytes) { copy(to, from, bytes); }
+  void zero(void* memory, size_t bytes) {
+    if (bytes > 0) std::memset(memory, 0, bytes);
+  }
   void wait() {}
 
   template <class Kernel>
@@ -157,6 +159,11 @@ class Queue {
   template <class Kernel>
   int fitting_blocks() const {
     return 3;  // so that blocks have several items each
+  }
+
+ private:
+  static void copy(void* to, const void* from, size_t bytes) {
+    if (bytes > 0) std::memcpy(to, from, bytes);
   }
 };
 
