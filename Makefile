@@ -94,7 +94,7 @@ all: $(TOOLS:%=$(BIN)/%) ## Build the tools into build/bin (make -j2)
 # The rooms whose loops take a run's time are compiled for speed. Everything else is compiled quickly, and without
 # contraction to fused multiply-adds, so that no decision depends on the processor.
 FAST_ROOMS := bind bundle lift masks metrics mpm plan report scene splat studies
-way = $(if $(filter $(FAST_ROOMS:%=lib/%/%) tests/bench/%,$(1)),fast,plain)
+way = $(if $(filter $(FAST_ROOMS:%=lib/%/%) tests/bench/% tests/gpu/%,$(1)),fast,plain)
 fast_FLAGS := $(OPT)
 plain_FLAGS := $(PLAIN_OPT) -ffp-contract=off
 
@@ -182,7 +182,7 @@ say = $(if $(filter 0,$(V)),@printf '  %-5s %s\n' '$(1)' '$(2)')
 .PRECIOUS: $(BUILD)/obj/%.o $(BUILD)/precompiled/fast/%.gch $(BUILD)/precompiled/plain/%.gch
 # A run reads this file several times (pipelines/physmas.mk); header dependencies matter the first time only.
 ifeq ($(MAKE_RESTARTS),)
--include $(patsubst %.o,%.d,$(RUN_OBJECTS) $(EVAL_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(TEST_TOOL_SOURCES) $(BENCH_SOURCES) \
+-include $(patsubst %.o,%.d,$(RUN_OBJECTS) $(EVAL_OBJECTS) $(call objects,$(TOOL_SOURCES) $(UNIT_SOURCES) $(TEST_TOOL_SOURCES) $(BENCH_SOURCES) tests/gpu/bench.cpp \
             $(wildcard tests/fuzz/*.cpp)))
 endif
 
@@ -280,14 +280,36 @@ check-portable: $(BUILD)/gen/embedded_texts.cpp ## Compile the solver for proces
 	  $(CXX) $(CPPFLAGS) $(CXXFLAGS) -march=$$arch -Wno-psabi -fsyntax-only $(KERNELS) || exit; \
 	  echo "$(KERNELS) compile for $$arch"; done
 
-# The solver's laws for a GPU: tests/cuda/laws.cu compares them with plain numbers where there is one.
-.PHONY: check-cuda
+# The solver's laws for a GPU: tests/cuda/laws.cu compares them with plain numbers where there is one. And every kernel, for all
+# cards that a package would be built for, without keeping them.
+ALL_CARDS := 75 80 86 89 90 100 120
+.PHONY: check-cuda check-cuda-all
 check-cuda: $(if $(NVCC),$(BUILD)/test/cuda/laws) ## Compile the solver's laws for a GPU where nvcc is found, and run them where a GPU is
 	$(Q)$(if $(NVCC),$<,echo 'nvcc not found: the laws are not compiled for a GPU, skipped')
 $(BUILD)/test/cuda/laws: tests/cuda/laws.cu tests/cuda/laws.h $(wildcard lib/mpm/math/*.h lib/mpm/material/*.h)
 	@mkdir -p $(@D)
 	$(call say,NVCC,$<)
 	$(Q)$(NVCC) -std=c++17 -O2 -Ilib -Itests --Werror all-warnings $< -o $@
+check-cuda-all: ## Compile the solver's kernels for all cards where nvcc is found, without keeping them: [CUDA_ARCH="75 90"]
+	$(Q)$(if $(NVCC),object=$$(mktemp); known=" $$($(NVCC) --list-gpu-code | tr '\n' ' ') "; codes=; named=; \
+	  for a in $(or $(CUDA_ARCH),$(ALL_CARDS)); do \
+	    case "$$known" in (*" sm_$$a "*) codes="$$codes -gencode arch=compute_$$a$(,)code=sm_$$a"; named="$$named $$a";; (*) echo "this nvcc knows no sm_$$a: left out";; esac; done; \
+	  status=0; $(NVCC) $(CUDA_FLAGS) --threads 0 $$codes -c $(CUDA_SOURCES) -o $$object && echo "$(CUDA_SOURCES) compiles for$$named" || status=$$?; \
+	  rm -f $$object; exit $$status,echo 'nvcc not found: the kernels are not compiled$(,) skipped')
+
+# What the kernels compute, without a GPU in an emulator of blocks and threads: a small part of it is in `make test`.
+.PHONY: test-emulator test-gpu bench-gpu
+test-emulator: $(BUILD)/test/unit ## The solver's GPU kernels in an emulator, with SCALE=8 times the particles of `make test`
+	@PM_SCALE=$(or $(SCALE),8) $(BUILD)/test/unit -tc="mpm gpu*" -d
+# The same tests on the card, and its speed beside the CPU's. tests/gpu/check.sh does it all on a machine with nothing but nvcc.
+test-gpu: $(BUILD)/test/unit ## The solver's tests on this machine's GPU
+	@PM_GPU=1 $(BUILD)/test/unit -tc="mpm gpu*" -d
+bench-gpu: $(BUILD)/bench/gpu ## Speed of the solver on this machine's GPU beside its CPU
+	@$<
+$(BUILD)/bench/gpu: $(BUILD)/obj/tests/gpu/bench.o $(LIBRARIES)
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CXX) $(LDFLAGS) $^ $(LDLIBS) -o $@
 
 ifeq ($(SAN),1)
 export LSAN_OPTIONS := suppressions=$(abspath tests/leaks.supp):print_suppressions=0

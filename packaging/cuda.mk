@@ -22,8 +22,8 @@ CUDA_OBJECTS := $(if $(cuda_architectures),$(CUDA_SOURCES:%.cu=$(BUILD)/obj/%.o)
 # Divisions and roots of float are approximate, within two units of the last digit. A newer card than the newest compiles the
 # text of its kernels for itself.
 newest := $(lastword $(shell printf '%s\n' $(cuda_architectures) | sort -n))
-CUDA_FLAGS := -std=c++17 -O3 -Ilib -prec-div=false -prec-sqrt=false --Werror all-warnings \
-              $(foreach a,$(cuda_architectures),-gencode arch=compute_$(a),code=sm_$(a)) -gencode arch=compute_$(newest),code=compute_$(newest)
+CUDA_FLAGS := -std=c++17 -O3 -Ilib -prec-div=false -prec-sqrt=false --Werror all-warnings
+CUDA_CARDS := $(foreach a,$(cuda_architectures),-gencode arch=compute_$(a),code=sm_$(a)) -gencode arch=compute_$(newest),code=compute_$(newest)
 # The runtime is linked in, and looks for the driver when it is asked: tools start where there is none.
 cuda_root := $(if $(NVCC),$(patsubst %/bin/,%,$(dir $(realpath $(NVCC)))))
 cuda_folder := $(dir $(firstword $(wildcard $(addsuffix /libcudart_static.a,$(cuda_root)/lib64 $(cuda_root)/lib $(cuda_root)/targets/*/lib /usr/lib/*-linux-gnu))))
@@ -38,7 +38,7 @@ ifneq ($(CUDA_OBJECTS),)
 $(CUDA_OBJECTS): $(BUILD)/obj/%.o: %.cu $(cuda_built_for)
 	@mkdir -p $(@D)
 	$(call say,NVCC,$* (for $(strip $(cuda_architectures))))
-	$(Q)$(NVCC) $(CUDA_FLAGS) -MMD -MP -MF $(@:.o=.d) -c $< -o $@
+	$(Q)$(NVCC) $(CUDA_FLAGS) $(CUDA_CARDS) -MMD -MP -MF $(@:.o=.d) -c $< -o $@
 ifeq ($(MAKE_RESTARTS),)
 -include $(CUDA_OBJECTS:.o=.d)
 endif

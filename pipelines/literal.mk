@@ -19,7 +19,7 @@ SCENE_VARIABLES := PROMPT MATERIAL SPEC SET CAMERA DEFAULTS SCENE_AGENT PERCEPTI
 TEXT_VARIABLES := $(filter-out EXAMPLE BASE ERROR READ,$(SOURCE_VARIABLES) $(IMPORT_VARIABLES) $(SCENE_VARIABLES)) SCENES DESTDIR PREFIX MAINTAINER
 # One word each.
 WORD_VARIABLES := EXAMPLE BASE ERROR RUN BATCH EVALUATE SUITE BIN BUILD THREADS DEVICE RESOURCES ARRAY PATIENCE EVERY V SAN TOGETHER PRECOMPILE ARCH MARCH WERROR CUDA SECONDS \
-  PICTURES GUITAR STABILITY ACCURACY DOCS HARDENING KILLS MUTATIONS INJECTIONS SERVERS
+  PICTURES GUITAR SCALE STABILITY ACCURACY DOCS HARDENING KILLS MUTATIONS INJECTIONS SERVERS
 # Several names.
 NAMES_VARIABLES := CASES FUZZ READ RETRY CUDA_ARCH
 # Those that name a folder which make itself works in.
@@ -87,7 +87,7 @@ $(foreach v,$(FROM_ENVIRONMENT),$(eval $(v) := $$(value $(v))))
 complaint = $(call complaint_about,$(1),$(value $(1)))
 complaint_about = $(or $(if $(filter $(1),$(TEXT_VARIABLES)),$(about_text)),$(if $(filter $(1),$(WORKING_FOLDERS)),$(about_folder)), \
                     $(if $(filter $(1),$(TEXT_VARIABLES)),,$(or $(about_words),$(if $(filter $(1),$(WORD_VARIABLES)),$(about_word)),$(if $(filter $(1),$(NAMES_VARIABLES)),$(about_names)))), \
-                    $(if $(filter THREADS ARRAY PATIENCE EVERY RETRIES,$(1)),$(about_number)),$(if $(filter TIMEOUT BUDGET,$(1)),$(about_seconds)),$(if $(filter CROP,$(1)),$(about_numbers)))
+                    $(if $(filter THREADS ARRAY PATIENCE EVERY RETRIES SCALE,$(1)),$(about_number)),$(if $(filter TIMEOUT BUDGET,$(1)),$(about_seconds)),$(if $(filter CROP,$(1)),$(about_numbers)))
 about_text = $(if $(filter PROMPT,$(1)),,$(if $(has_control_2),a line end or a control character is no part of it))
 has_control_2 = $(call has_control,$(2))
 about_folder = $(if $(call is_plain,$(2)),,GNU Make cannot work in a folder whose name begins with - or has spaces or one of $(strip $(special)): give another $(1))

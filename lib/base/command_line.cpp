@@ -9,6 +9,7 @@
 #include <sstream>
 #include <utility>
 
+#include "base/cuda_build.h"
 #include "base/error.h"
 #include "base/kernels.h"
 #include "base/log.h"
@@ -23,8 +24,8 @@ std::string version_text(const std::string& tool) {
 #ifdef __SANITIZE_ADDRESS__
   features += " sanitizers";
 #endif
-  return fmt::format("{} {} (compiler {}; built with OpenMP, {}; without CUDA)", tool, PHYSMAS_VERSION, __VERSION__,
-                     features);
+  return fmt::format("{} {} (compiler {}; built with OpenMP, {}; {})", tool, PHYSMAS_VERSION, __VERSION__, features,
+                     cuda_build());
 }
 
 // An option given twice takes its last value, so that a script can append to a command.

@@ -113,7 +113,8 @@ GpuStepper<T>::GpuStepper(int threads, const StepperSetup& setup)
 template <class T>
 template <class Kernel>
 void GpuStepper<T>::launch(int items, const typename Kernel::Arguments& arguments) {
-  queue_.template launch<Kernel>(std::max(1, std::min(items, queue_.template fitting_blocks<Kernel>())), arguments);
+  static const int fitting = queue_.template fitting_blocks<Kernel>();  // of the one card that is used
+  queue_.template launch<Kernel>(std::max(1, std::min(items, fitting)), arguments);
 }
 
 template <class T>

@@ -10,7 +10,6 @@
 #include <numeric>
 
 #include "mpm/cpu/cpu_stepper.h"
-#include "mpm/cuda/cuda_stepper.h"
 #include "unit/mpm/scenes.h"
 
 using namespace mpm_test;
@@ -32,7 +31,7 @@ int scaled(int particles) {
 }
 
 std::unique_ptr<Stepper> make_gpu(Precision precision, const StepperSetup& setup) {
-  if (on_a_card()) return make_cuda_stepper(1, precision, setup);
+  if (on_a_card()) return make_stepper({Device::Kind::cuda, 1}, precision, setup);
   if (precision == Precision::full) return std::make_unique<emulated_gpu::GpuStepper<double>>(1, setup);
   return std::make_unique<emulated_gpu::GpuStepper<float>>(1, setup);
 }
