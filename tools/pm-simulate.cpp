@@ -36,7 +36,7 @@ const char* device_name(const Device& device) {
   return device.kind == Device::Kind::cuda ? "cuda" : "cpu";
 }
 
-Provenance provenance_of(const CliOptions& options, const std::string& rule, const Device& device) {
+Provenance provenance_of(const CliOptions& options, const std::string& rule) {
   Provenance provenance;
   provenance.tool = "pm-simulate";
   provenance.options = {{"timestep", rule}, {"precision", options.precision}, {"energy", options.energy}};
@@ -44,9 +44,13 @@ Provenance provenance_of(const CliOptions& options, const std::string& rule, con
   if (options.frames > 0) provenance.options.emplace_back("frames", std::to_string(options.frames));
   if (options.max_steps != mpm::Options().max_steps)
     provenance.options.emplace_back("max-steps", std::to_string(options.max_steps));
-  // Sums are rounded otherwise there.
-  if (device.kind == Device::Kind::cuda) provenance.options.emplace_back("device", device_name(device));
   for (const std::string& input : {options.scene, options.state, options.candidate}) provenance.add_input(input);
+  return provenance;
+}
+
+// On a GPU sums are rounded otherwise.
+Provenance on_device(Provenance provenance, const Device& device) {
+  if (device.kind == Device::Kind::cuda) provenance.options.emplace_back("device", device_name(device));
   return provenance;
 }
 
@@ -71,16 +75,15 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
 
   mpm::Problem problem = bind::bind_problem(candidate, state, run, {options.state, options.candidate});
   const std::string rule = options.timestep.empty() ? run.time.rule : options.timestep;
+  const Provenance provenance = provenance_of(options, rule);
   mpm::Options solver = solver_options(options, common, run);
-  const mpm::DeviceChoice choice =
+  mpm::DeviceChoice choice =
       mpm::choose_device(problem, bind::bind_timing(rule, run.time, candidate, options.candidate).timing, solver);
-  solver.device = choice.device;
-  const Provenance provenance = provenance_of(options, rule, choice.device);
   double speed = 0;  // particle-steps/s
   const std::optional<mpm::Equilibrium> start = bind::bind_start(run.time, common.device, problem);
   const auto attempt = [&](const std::string& by, const mpm::Options& solver, bool only_if_stable) {
     const bind::BoundTiming timing = bind::bind_timing(by, run.time, candidate, options.candidate);
-    bind::RolloutRecorder rollout(options.out, state.carrier_count(), solver, provenance);
+    bind::RolloutRecorder rollout(options.out, state.carrier_count(), solver, on_device(provenance, solver.device));
     rollout.start_from(problem.particles.deformation_gradient);
     bind::AchievementMeter achievement(candidate, problem, bind::to_mpm(run.placement.up_vector()), run.time.frame_dt);
     bind::StillnessMeter stillness(candidate, problem);
@@ -99,11 +102,15 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
     record.achieved = achievement.result();
     record.stillness = stillness.result();
     record.torn = torn;
-    record.runtime["device"] = device_name(choice.device);
-    record.runtime["device_reason"] = choice.why;
     return record;
   };
-  ExecutionRecord record = attempt(rule, solver, false);
+  ExecutionRecord record = mpm::on_chosen_device(
+      choice, common.device.automatic,
+      [&](const Device& device) {
+        solver.device = device;
+        return attempt(rule, solver, false);
+      },
+      [&](const char* error) { log_warning(fmt::format("{}: {}; on the CPU instead", candidate.id, error)); });
   // An explicit --timestep is what the caller wants to see.
   if (record.diverged && record.step_rule == "paper" && options.timestep.empty() && run.time.on_divergence == "cfl") {
     log_warning(fmt::format("{}: {}; once more with time.rule=cfl", candidate.id, record.divergence->advice));
@@ -115,7 +122,9 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
     record.start = bind::start_record(*start, state.row_keys);
     record.runtime["seconds"]["start"] = start->seconds;
   }
-  Provenance with_rollout = provenance;
+  record.runtime["device"] = device_name(choice.device);
+  record.runtime["device_reason"] = choice.why;
+  Provenance with_rollout = on_device(provenance, choice.device);
   with_rollout.add_output(options.out);
   save_execution(execution_path_of(options.out), record, with_rollout);
   for (const AchievedAction& action : record.achieved) {

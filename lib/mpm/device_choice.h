@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "base/error.h"
 #include "mpm/simulation.h"
 
 namespace physmas::mpm {
@@ -18,6 +19,22 @@ struct DeviceChoice {
 // the answer matters.
 DeviceChoice choose_device(const Problem& problem, const Timing& timing, const Options& options,
                            const std::function<std::string()>& absence = cuda_absence);
+
+// Returns work(device). Where a GPU that nobody asked for by name fails (its memory does not suffice, the driver gives
+// up), once more for the CPU, which the choice then is; told(what went wrong) is called before.
+template <class Work, class Told>
+auto on_chosen_device(DeviceChoice& choice, bool automatic, const Work& work, const Told& told) {
+  if (automatic && choice.device.kind == Device::Kind::cuda) {
+    try {
+      return work(choice.device);
+    } catch (const Error& error) {
+      choice.device.kind = Device::Kind::cpu;
+      choice.why = std::string("the GPU failed: ") + error.what();
+      told(error.what());
+    }
+  }
+  return work(choice.device);
+}
 
 }  // namespace physmas::mpm
 

@@ -48,3 +48,23 @@ TEST_CASE("mpm device: what was asked for is taken, and what a GPU does not do i
   CHECK(measured.device.kind == Device::Kind::cpu);
   CHECK(measured.why.find("measured on the CPU only") != std::string::npos);
 }
+
+TEST_CASE("mpm device: a GPU that fails is no end where auto took it, and is where it was asked for") {
+  const auto work = [](const Device& device) {
+    if (device.kind == Device::Kind::cuda) throw Error(ExitCode::invalid_input, "the card has 3 MB free");
+    return 7;
+  };
+  int told = 0;
+  const auto tell = [&](const char*) { ++told; };
+  DeviceChoice choice = {{Device::Kind::cuda, 1}, "long work"};
+  CHECK(on_chosen_device(choice, true, work, tell) == 7);
+  CHECK(told == 1);
+  CHECK(choice.device.kind == Device::Kind::cpu);
+  CHECK(choice.why == "the GPU failed: the card has 3 MB free");
+  choice = {{Device::Kind::cuda, 1}, "asked for"};
+  CHECK_THROWS_AS(on_chosen_device(choice, false, work, tell), Error);
+  // What is wrong with the input is so on the CPU, too.
+  choice = {{Device::Kind::cuda, 1}, "long work"};
+  const auto broken = [](const Device&) -> int { throw Error(ExitCode::invalid_input, "broken"); };
+  CHECK_THROWS_AS(on_chosen_device(choice, true, broken, tell), Error);
+}
