@@ -87,7 +87,7 @@ $(foreach v,$(FROM_ENVIRONMENT),$(eval $(v) := $$(value $(v))))
 complaint = $(call complaint_about,$(1),$(value $(1)))
 complaint_about = $(or $(if $(filter $(1),$(TEXT_VARIABLES)),$(about_text)),$(if $(filter $(1),$(WORKING_FOLDERS)),$(about_folder)), \
                     $(if $(filter $(1),$(TEXT_VARIABLES)),,$(or $(about_words),$(if $(filter $(1),$(WORD_VARIABLES)),$(about_word)),$(if $(filter $(1),$(NAMES_VARIABLES)),$(about_names)))), \
-                    $(if $(filter THREADS ARRAY PATIENCE EVERY RETRIES SCALE,$(1)),$(about_number)),$(if $(filter TIMEOUT BUDGET,$(1)),$(about_seconds)),$(if $(filter CROP,$(1)),$(about_numbers)))
+                    $(if $(filter THREADS ARRAY PATIENCE EVERY RETRIES SCALE,$(1)),$(about_number)),$(if $(filter TIMEOUT BUDGET,$(1)),$(about_seconds)),$(if $(filter CROP,$(1)),$(about_numbers)),$(if $(filter DEVICE,$(1)),$(about_device)))
 about_text = $(if $(filter PROMPT,$(1)),,$(if $(has_control_2),a line end or a control character is no part of it))
 has_control_2 = $(call has_control,$(2))
 about_folder = $(if $(call is_plain,$(2)),,GNU Make cannot work in a folder whose name begins with - or has spaces or one of $(strip $(special)): give another $(1))
@@ -97,6 +97,7 @@ about_names = $(if $(strip $(foreach w,$(2),$(if $(call is_plain,$(w)),,$(w)))),
 about_number = $(if $(call without_digits,0 1 2 3 4 5 6 7 8 9,$(2)),expected a number)
 about_seconds = $(if $(call without_digits,0 1 2 3 4 5 6 7 8 9 .,$(2)),expected a number of seconds)
 about_numbers = $(if $(filter-out $(foreach d,0 1 2 3 4 5 6 7 8 9 .,-$(d)%),$(filter -%,$(2))),expected six numbers or auto)
+about_device = $(if $(filter auto cpu cuda,$(2)),,expected auto$(,) cpu or cuda)
 without_digits = $(if $(1),$(call without_digits,$(wordlist 2,11,$(1)),$(subst $(firstword $(1)),,$(2))),$(2))
 , := ,
 

@@ -42,6 +42,7 @@ refuses() {
 }
 
 @test "make: what does not go together is refused by name" {
+  refuses "DEVICE=tpu" "expected auto, cpu or cuda" -- run SCENE=bundle/scene.json DEVICE=tpu
   for variable in UP=z INVENTORY=spec.json OPACITY=0.1 AZIMUTH=3 MASKS=bundle; do
     refuses "${variable%%=*} goes with GAUSSIANS" "an example" -- run EXAMPLE=cake "$variable"
     refuses "${variable%%=*} goes with GAUSSIANS" "a bundle" -- run SCENE=bundle/scene.json "$variable"
@@ -102,7 +103,8 @@ refuses() {
   import >log
   grep -q '  import ' log
   cp -r bundle "my scans/b (2)"
-  run_make run SCENE="my scans/b (2)/scene.json" RUN=c SPEC=spec.json
+  run_make run SCENE="my scans/b (2)/scene.json" RUN=c SPEC=spec.json DEVICE=cpu
+  grep -q '"device_reason": "asked for"' c/rollouts/*.json
   [ -s c/final.mp4 ]
 }
 
