@@ -299,8 +299,8 @@ check-cuda-all: ## Compile the solver's kernels for all cards where nvcc is foun
 
 # What the kernels compute, without a GPU in an emulator of blocks and threads: a small part of it is in `make test`.
 .PHONY: test-emulator test-gpu bench-gpu
-test-emulator: $(BUILD)/test/unit ## The solver's GPU kernels in an emulator, with SCALE=8 times the particles of `make test`
-	@PM_SCALE=$(or $(SCALE),8) $(BUILD)/test/unit -tc="mpm gpu*" -d
+test-emulator: $(BUILD)/test/unit ## The solver's GPU kernels in an emulator, with SCALE=4 times the particles of `make test`
+	@PM_SCALE=$(or $(SCALE),4) $(BUILD)/test/unit -tc="mpm gpu*" -d
 # The same tests on the card, and its speed beside the CPU's. tests/gpu/check.sh does it all on a machine with nothing but nvcc.
 test-gpu: $(BUILD)/test/unit ## The solver's tests on this machine's GPU
 	@PM_GPU=1 $(BUILD)/test/unit -tc="mpm gpu*" -d

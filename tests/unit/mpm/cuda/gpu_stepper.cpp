@@ -129,12 +129,13 @@ Difference difference(const Problem& p, const State& a, const State& b) {
   return d;
 }
 
-// Whether both steppers end in the same state after 200 substeps, in both precisions.
-void check_same(const Problem& p, bool same_work = true) {
+// Whether both steppers end in the same state after 200 substeps, in both precisions. brakes: an action lets go of what
+// is not faster than its field, which a particle that it has held is by a rounding or is not.
+void check_same(const Problem& p, bool brakes = false) {
   const Run expected = by_cpu(p);
   REQUIRE(expected.report.fault == StepFault::none);
   for (const Precision precision : {Precision::single, Precision::full}) {
-    const bool single = precision == Precision::single;
+    const bool single = precision == Precision::single || brakes;
     CAPTURE(single);
     const Run run = by_gpu(p, precision);
     REQUIRE(run.report.fault == StepFault::none);
@@ -148,9 +149,7 @@ void check_same(const Problem& p, bool same_work = true) {
     CHECK(d.strength < (single ? 1e-4 : 1e-8));
     CHECK(run.report.particles_clamped == expected.report.particles_clamped);
     CHECK(run.report.max_speed == doctest::Approx(expected.report.max_speed).epsilon(single ? 1e-4 : 1e-8));
-    if (same_work) {
-      CHECK(run.report.control_work == doctest::Approx(expected.report.control_work).epsilon(single ? 1e-3 : 1e-5));
-    }
+    CHECK(run.report.control_work == doctest::Approx(expected.report.control_work).epsilon(single ? 1e-3 : 1e-5));
   }
 }
 
@@ -245,7 +244,7 @@ TEST_CASE("mpm gpu: every action does what it does on the CPU, and the same work
     add_random(p, 0, scaled(100), {0.85, 0.85, 0.85}, {1.15, 1.15, 1.0}, {0, 0, 0}, 0.02);
     add_random(p, 1, scaled(60), {0.85, 0.85, 1.0}, {1.15, 1.15, 1.1}, {0, 0, 0}, 0.02);
     p.schedule.actions = {actions[a]};
-    check_same(p);
+    check_same(p, a == 1 || a == 6);
   }
 }
 
@@ -513,8 +512,8 @@ TEST_CASE("mpm gpu: a whole run with projections, retentions and both step rules
 TEST_CASE("mpm gpu: a run that diverges says so with the same reason, and names the row") {
   Problem p = scene({Branch::jelly, 1e7, 0.3, 1000}, 32, {0, 0, -9.8});
   p.materials.push_back({Branch::jelly, 1e4, 0.3, 1000});
-  add_random(p, 0, scaled(150), {0.8, 0.8, 0.45}, {1.1, 1.1, 0.7}, {0, 0, 0}, 0.05);
-  add_random(p, 1, scaled(100), {0.3, 0.3, 0.7}, {0.6, 0.6, 0.8}, {0, 0, 0}, 0.01);
+  add_random(p, 0, 150, {0.8, 0.8, 0.45}, {1.1, 1.1, 0.7}, {0, 0, 0}, 0.05);
+  add_random(p, 1, 100, {0.3, 0.3, 0.7}, {0.6, 0.6, 0.8}, {0, 0, 0}, 0.01);
   const Timing timing = {4, 0.04, 80};
   Options o = options(Precision::single, 1);
   const Result expected = simulate(p, timing, o).result;
