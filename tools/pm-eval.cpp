@@ -65,5 +65,6 @@ int main(int argc, char** argv) {
            if (command.command.parsed()) return command.work(common);
          }
          throw internal_error("no subcommand");
-       }});
+       },
+       true});
 }

@@ -185,5 +185,5 @@ int main(int argc, char** argv) {
              .group("Numerics");
          app.add_flag("--strict", options.strict, "Exit with 5 when the simulation diverges").group("Numerics");
        },
-       [&](const CommonOptions& common) { return simulate(options, common); }});
+       [&](const CommonOptions& common) { return simulate(options, common); }, true});
 }

@@ -185,6 +185,9 @@ int parse_and_work(int argc, char** argv, const ToolMain& tool) {
   if (quiet) set_log_level(LogLevel::error);
   require_threads(common.threads > 0 ? common.threads : omp_get_max_threads());
   if (common.threads > 0) omp_set_num_threads(common.threads);
+  if (device == "cuda" && !tool.on_gpu) {
+    throw Error(ExitCode::usage, "--device cuda: " + tool.name + " computes on the CPU only, expected cpu or auto");
+  }
   common.device = choose_device(device, common.threads);
   chosen_kernels();  // here, where an error is reported
   return tool.work(common);

@@ -75,6 +75,7 @@ struct ToolMain {
   std::string footer;       // an example call and the records it reads and writes
   std::function<void(Command)> options;
   std::function<int(const CommonOptions&)> work;
+  bool on_gpu = false;  // some of its work may be done by a GPU; else --device cuda is refused
 };
 
 // A subcommand of a tool that has several.

@@ -65,7 +65,7 @@ cameras() {
   refused 2 "--prompt" import "$TINY/gaussians.ply"
   refused 2 "--up" import "$TINY/gaussians.ply" --prompt x --up q
   refused 2 "--cameras" import "$TINY/gaussians.ply" --prompt x --views "$TINY/views"
-  refused 2 "--device cuda" "$BIN/pm-scene" --device cuda info "$TINY/gaussians.ply"
+  refused 2 "--device cuda: pm-scene computes on the CPU only" "$BIN/pm-scene" --device cuda info "$TINY/gaussians.ply"
   [ ! -e "$OUT" ]
 }
 
