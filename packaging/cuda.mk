@@ -7,9 +7,9 @@ CUDA ?= 1
 # What the build has been made for; nvidia-smi takes a second to say what the card is.
 cuda_built_for := $(BUILD)/cuda-arch
 ifeq ($(origin CUDA_ARCH),undefined)
-  CUDA_ARCH := $(if $(and $(NVCC),$(filter 1,$(CUDA))),$(or $(file <$(cuda_built_for)),$(shell nvidia-smi --query-gpu=compute_cap --format=csv,noheader 2>/dev/null | tr -d . | sort -un)))
+  CUDA_ARCH := $(if $(and $(NVCC),$(if $(filter 0,$(CUDA)),,y)),$(or $(file <$(cuda_built_for)),$(shell nvidia-smi --query-gpu=compute_cap --format=csv,noheader 2>/dev/null | tr -d . | sort -un)))
 endif
-cuda_architectures := $(if $(NVCC),$(if $(filter 1,$(CUDA)),$(if $(filter 1,$(SAN)),,$(CUDA_ARCH))))
+cuda_architectures := $(if $(NVCC),$(if $(filter 0,$(CUDA)),,$(if $(filter 1,$(SAN)),,$(CUDA_ARCH))))
 ifneq ($(filter-out 50 52 53 60 61 62 70 72 75 80 86 87 88 89 90 100 101 103 110 120 121,$(cuda_architectures)),)
   $(error CUDA_ARCH: found '$(cuda_architectures)', expected compute capabilities without their dot, such as "86" or "75 80 86 89 90")
 endif
@@ -30,7 +30,9 @@ cuda_folder := $(dir $(firstword $(wildcard $(addsuffix /libcudart_static.a,$(cu
 CUDA_LIBS := $(if $(cuda_architectures),-L$(cuda_folder) -lcudart_static -ldl -lrt -lpthread)
 
 # The objects, and the library that has them or does without, follow what was asked for. A build without a GPU has no such file.
-ifneq ($(strip $(file <$(cuda_built_for))),$(strip $(cuda_architectures)))
+# Where nothing is built, nothing is written.
+cuda_builds := $(if $(findstring n,$(filter-out --%,$(firstword -$(MAKEFLAGS)))),,$(filter-out check-cuda check-cuda-all help clean,$(or $(MAKECMDGOALS),all)))
+ifneq ($(if $(cuda_builds),$(strip $(file <$(cuda_built_for)))),$(if $(cuda_builds),$(strip $(cuda_architectures))))
   $(shell mkdir -p $(BUILD))
   $(file >$(cuda_built_for),$(strip $(cuda_architectures)))
 endif
