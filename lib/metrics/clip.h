@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "metrics/array_file.h"
 #include "metrics/motion.h"
+#include "records/array_file.h"
 #include "scene/image.h"
 
 namespace physmas::metrics {

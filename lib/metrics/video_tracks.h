@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "metrics/array_file.h"
 #include "metrics/motion.h"
 #include "metrics/query_grid.h"
+#include "records/array_file.h"
 #include "remote/inference.h"
 
 namespace physmas::metrics {

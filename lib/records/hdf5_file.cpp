@@ -53,7 +53,7 @@ std::vector<uint64_t> shape_of(hid_t dataset) {
   return {dims.begin(), dims.end()};
 }
 
-std::string shape_text(const std::vector<uint64_t>& shape) {
+std::string extents_text(const std::vector<uint64_t>& shape) {
   std::vector<std::string> parts;
   for (uint64_t n : shape) parts.push_back(n == kAny ? "*" : std::to_string(n));
   return fmt::format("[{}]", fmt::join(parts, ", "));
@@ -154,7 +154,7 @@ std::vector<uint64_t> Hdf5Reader::shape(const std::string& dataset) const {
 
 template <class T>
 std::vector<T> Hdf5Reader::read(const std::string& name, const std::vector<uint64_t>& expected, uint64_t limit) const {
-  const std::string wanted = fmt::format("{} of shape {}", type_name<T>(), shape_text(expected));
+  const std::string wanted = fmt::format("{} of shape {}", type_name<T>(), extents_text(expected));
   const Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT));
   if (!dataset.ok()) throw invalid(name, "nothing", wanted);
   if (!matches_type<T>(dataset)) throw invalid(name, "another element type", wanted);
@@ -164,10 +164,10 @@ std::vector<T> Hdf5Reader::read(const std::string& name, const std::vector<uint6
   for (size_t i = 0; fits && i < shape.size(); ++i) {
     fits = expected[i] == kAny || expected[i] == shape[i];
     if (shape[i] != 0 && count > limit / shape[i])
-      throw invalid(name, "shape " + shape_text(shape), fmt::format("at most {} elements", limit));
+      throw invalid(name, "shape " + extents_text(shape), fmt::format("at most {} elements", limit));
     count *= shape[i];
   }
-  if (!fits) throw invalid(name, "shape " + shape_text(shape), "shape " + shape_text(expected));
+  if (!fits) throw invalid(name, "shape " + extents_text(shape), "shape " + extents_text(expected));
   std::vector<T> values(count);
   if (count > 0 && H5Dread(dataset, native_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
     throw invalid(name, "data that cannot be read (cut short or corrupt)", wanted);
@@ -196,13 +196,13 @@ std::vector<float> Hdf5Reader::read_float_slab(const std::string& name, uint64_t
   if (!dataset.ok()) throw invalid(name, "nothing", "a float32 dataset");
   const std::vector<uint64_t> shape = shape_of(dataset);
   if (shape.empty() || !matches_type<float>(dataset))
-    throw invalid(name, "shape " + shape_text(shape), "a float32 dataset");
+    throw invalid(name, "shape " + extents_text(shape), "a float32 dataset");
   if (index > shape[0] || count > shape[0] - index)
-    throw invalid(name, "shape " + shape_text(shape), fmt::format("rows up to {}", index + count));
+    throw invalid(name, "shape " + extents_text(shape), fmt::format("rows up to {}", index + count));
   uint64_t elements = count;
   for (size_t i = 1; i < shape.size(); ++i) {
     if (shape[i] != 0 && elements > (uint64_t{1} << 31) / shape[i])
-      throw invalid(name, "shape " + shape_text(shape), "at most 2^31 elements");
+      throw invalid(name, "shape " + extents_text(shape), "at most 2^31 elements");
     elements *= shape[i];
   }
   std::vector<hsize_t> offset(shape.size(), 0), extent(shape.begin(), shape.end());

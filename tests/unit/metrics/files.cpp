@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "base/file.h"
-#include "metrics/array_file.h"
 #include "metrics/clip.h"
 #include "metrics/video_tracks.h"
+#include "records/array_file.h"
 #include "scene/image_file.h"
 #include "splat/video.h"
 #include "unit/input_error.h"

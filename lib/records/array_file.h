@@ -1,12 +1,12 @@
 // Numeric arrays by name from .npz files (numpy) and JSON.
-#ifndef PHYSMAS_METRICS_ARRAY_FILE_H
-#define PHYSMAS_METRICS_ARRAY_FILE_H
+#ifndef PHYSMAS_RECORDS_ARRAY_FILE_H
+#define PHYSMAS_RECORDS_ARRAY_FILE_H
 
 #include <map>
 #include <string>
 #include <vector>
 
-namespace physmas::metrics {
+namespace physmas {
 
 struct Array {
   std::vector<size_t> shape;
@@ -28,6 +28,6 @@ std::map<std::string, Array> parse_arrays(const std::string& bytes, const std::s
 // "[1, 50, 256, 2]", for messages.
 std::string shape_text(const std::vector<size_t>& shape);
 
-}  // namespace physmas::metrics
+}  // namespace physmas
 
 #endif

@@ -1,4 +1,4 @@
-#include "metrics/array_file.h"
+#include "records/array_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,7 +12,7 @@
 #include "base/zip_archive.h"
 #include "records/json.h"
 
-namespace physmas::metrics {
+namespace physmas {
 namespace {
 
 constexpr size_t kMaxValues = size_t{1} << 26;
@@ -179,4 +179,4 @@ std::map<std::string, Array> parse_arrays(const std::string& bytes, const std::s
   return arrays;
 }
 
-}  // namespace physmas::metrics
+}  // namespace physmas
