@@ -87,14 +87,14 @@ $(STAMPS)/bundle: $(EXAMPLES)$(EXAMPLE).json $(RUN)/request $(call missing,$(BUN
 	$(BIN)/pm-scene synth $< --out $(BUNDLE) --threads $(threads)
 	$(call finish,$(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.* $(BUNDLE)/*/*/*/*.*)
 else
-$(STAMPS)/bundle: $(foreach v,GAUSSIANS SPEC INVENTORY PHYSGAUSSIAN CAMERAS DATAPARSER,$(in_make_$(v))) $(FOLDERS) $(RUN)/request \
+$(STAMPS)/bundle: $(foreach v,GAUSSIANS SPEC INVENTORY PHYSGAUSSIAN MATERIALS CAMERAS DATAPARSER,$(in_make_$(v))) $(FOLDERS) $(RUN)/request \
                   $(call missing,$(BUNDLE)/scene.json) $(call promised,bundle) | $(call built,pm-scene)
 	$(call stage,import,$(BUNDLE))
 	@set -f; $(call job,$(@F),$(threads),$(job_inputs) $(in_make_MASKS) $(in_make_VIEWS),$(BUNDLE)/scene.json,$@.log) \
 	$(BIN)/pm-scene import --prompt="$$PM_ASKED_PROMPT" --out $(BUNDLE) \
 	  $(call option,--up=,UP) $(call option,--front=,FRONT) $(call option,--inventory=,INVENTORY) $(call option,--masks=,MASKS) \
 	  $(call option,--views=,VIEWS) $(call option,--cameras=,CAMERAS) $(call option,--dataparser-transforms=,DATAPARSER) \
-	  $(call option,--run=,SPEC) $(call option,--physgaussian=,PHYSGAUSSIAN) $(call option,--opacity-threshold=,OPACITY) \
+	  $(call option,--run=,SPEC) $(call option,--physgaussian=,PHYSGAUSSIAN) $(call option,--materials=,MATERIALS) $(call option,--opacity-threshold=,OPACITY) \
 	  $(if $(CROP),--crop $$PM_ASKED_CROP) $(READ:%=--read %) $(call option,--drop=,DROP) $(call option,--azimuth=,AZIMUTH) \
 	  $(call option,--elevation=,ELEVATION) --threads $(threads) -- "$$PM_ASKED_GAUSSIANS"
 	$(call finish,$(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.* $(BUNDLE)/*/*/*/*.*)

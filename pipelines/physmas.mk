@@ -5,7 +5,7 @@
 # Where the scene comes from, one of (inputs.mk):
 #   EXAMPLE    name of a description in examples/           -> pm-scene synth
 #   GAUSSIANS  a 3DGS file, with PROMPT and optionally UP, FRONT, INVENTORY, MASKS, VIEWS and CAMERAS (with DATAPARSER), PHYSGAUSSIAN,
-#              OPACITY, CROP, READ, DROP, AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
+#              MATERIALS, OPACITY, CROP, READ, DROP, AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
 #   SCENE      a scene.json                                 -> used where it lies
 # PROMPT   what shall happen, instead of what the scene says
 # MATERIAL what parts are made of: MATERIAL="head=Rubber body=Wood" or MATERIAL=Rubber                   -> pm-ground --material

@@ -96,7 +96,7 @@ int work(const Options& options) {
   check_evidence(options, evidence, gaussians);
   if (!scene.run.ablation.part_materials) candidate::give_one_material(evidence, inventory, state.volume_per_row());
 
-  const candidate::Context context = candidate::make_context(inventory, evidence, plan, scene.run, gaussians);
+  const candidate::Context context = candidate::make_context(inventory, evidence, plan, scene.run, gaussians, &state);
   candidate::Round round;
   // A candidate names what shapes it: a repair its base, not the screen, whose other numbers may change without it.
   Provenance candidate_provenance = provenance;

@@ -1,6 +1,7 @@
 // pm-lift: masks to Gaussians to particles. Inventory, masks and 3D Gaussians in; the initial state out.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
@@ -12,8 +13,10 @@
 #include "lift/initial_state.h"
 #include "lift/islands.h"
 #include "lift/label_picture.h"
+#include "lift/material_samples.h"
 #include "records/inventory.h"
 #include "records/masks.h"
+#include "records/material_field.h"
 #include "records/scene.h"
 #include "records/state.h"
 #include "records/truth.h"
@@ -95,6 +98,19 @@ lift::Labels given_labels(const Options& options, const Inventory& inventory, si
   return labels;
 }
 
+// How many particles have a sample; those without are named in the state.
+void report_samples(State& state) {
+  constexpr double kManyWithout = 0.05;
+  const size_t without = static_cast<size_t>(std::count(state.field.E.begin(), state.field.E.end(), 0.f));
+  if (without == 0) return;
+  const std::string text = fmt::format("{} of {} particles have no sample within {:.3g} (scene units)", without,
+                                       state.particle_count(), state.field.reach / state.map.s);
+  state.omitted.push_back({"the material field at some particles", text + ": they have their rows' materials"});
+  if (static_cast<double>(without) > kManyWithout * static_cast<double>(state.particle_count()))
+    log_warning("material field: " + text +
+                " and take their rows' materials; lifting.field_reach says how far it reaches");
+}
+
 int lift_scene(const Options& options) {
   const Stopwatch watch;
   const Scene scene = load_scene(options.scene, {false, true, true, false});
@@ -119,6 +135,11 @@ int lift_scene(const Options& options) {
   log_info(fmt::format("rows after {:.2f} s", watch.seconds()));
   State state = lift::initial_state(gaussians, labels, inventory, scene.run, scene.gaussians);
   state.omitted.insert(state.omitted.end(), omitted.begin(), omitted.end());
+  if (!scene.material_field.empty()) {
+    state.field =
+        lift::sample_particles(load_material_field(scene.material_field), state, scene.run, scene.material_field);
+    report_samples(state);
+  }
   log_info(fmt::format("{} particles after {:.2f} s", state.particle_count(), watch.seconds()));
   for (const Omission& omission : state.omitted) log_info(omission.what + ": " + omission.why);
 
@@ -127,6 +148,7 @@ int lift_scene(const Options& options) {
   for (const std::string& input :
        {options.scene, scene.gaussians, options.inventory, options.labels.empty() ? options.masks : options.labels})
     provenance.add_input(input);
+  if (!scene.material_field.empty()) provenance.add_input(scene.material_field);
   save_state(options.out, state, provenance);
   if (!options.labels_png.empty()) {
     std::vector<bool> residual;

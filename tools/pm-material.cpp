@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "material/chat_source.h"
 #include "material/evidence.h"
+#include "material/field_evidence.h"
 #include "material/predictor_source.h"
 #include "records/state.h"
 #include "remote/request_files.h"
@@ -120,9 +121,12 @@ int work(Options options) {
   const std::optional<MaterialRecords> records = observe(options, scene, inventory, masks, evidence, provenance);
   material::reason_about_materials(evidence, inventory, state.gaussians_per_row(),
                                    material::mask_confidences(inventory, masks), records);
+  material::take_field(evidence, state);
   for (const EvidenceRow& row : evidence.rows) {
     log_info(row.key + ": " + kLabels[row.label].name + ", P " + std::to_string(row.confidence));
-    if (row.fallback && !row.residual && row.gaussians > 0) {
+    if (row.field) {
+      log_note(material::field_line(row));
+    } else if (row.fallback && !row.residual && row.gaussians > 0) {
       const LabelPrior& label = kLabels[row.label];
       log_note(
           fmt::format("no material known for {}: {}, {:.0f} MPa, without evidence; --material (MATERIAL=) changes it",

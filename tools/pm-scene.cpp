@@ -108,6 +108,11 @@ int main(int argc, char** argv) {
     import_command.add_option("--run", import.run, "Run specification; what it leaves out has its default");
     import_command.add_option("--physgaussian", import.physgaussian,
                               "PhysGaussian configuration to take the run specification from");
+    import_command
+        .add_option("--materials", import.material_field,
+                    "Material field of another program: .npz with positions, youngs_modulus, poisson_ratio "
+                    "and density, or .usda with points, yms, prs and rhos")
+        .type_name("FILE");
     import_command.add_option("--name", import.name, "Id of the scene [a-z0-9-]; made from FILE when absent");
     import.drop = kDropByPrompt;
     import_command

@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "bind/branch.h"
 #include "records/json.h"
+#include "records/particle_material.h"
 
 namespace physmas::bind {
 
@@ -27,6 +28,19 @@ std::vector<mpm::Material> bind_materials(const Candidate& candidate, const Stat
           {file, "/rows", "no row \"" + state.row_keys[r] + "\"", "every row that has particles in the state"});
   }
   return materials;
+}
+
+std::vector<mpm::Material> bind_particle_materials(const Candidate& candidate, const State& state,
+                                                   const std::vector<mpm::Material>& materials) {
+  if (!has_own_materials(candidate, state.field)) return {};
+  std::vector<const CandidateRow*> row_of(state.row_keys.size(), nullptr);
+  for (const CandidateRow& row : candidate.rows) row_of[row.row] = &row;
+  std::vector<mpm::Material> own(state.particle_count());
+  for (size_t q = 0; q < own.size(); ++q) {
+    const ParticleNumbers numbers = particle_numbers(*row_of[state.row[q]], state.field, q);
+    own[q] = {materials[state.row[q]].branch, numbers.E, numbers.nu, numbers.rho};
+  }
+  return own;
 }
 
 mpm::ProfileConstants bind_constants(const RunSpecification::Profile& profile) {

@@ -17,6 +17,11 @@ namespace physmas::bind {
 // code 3) when a row's index and key do not meet in the state, or when a row with particles is missing.
 std::vector<mpm::Material> bind_materials(const Candidate& candidate, const State& state, const std::string& file);
 
+// The material of every particle, [N_Q], where a material field gives the candidate's particles numbers of their own;
+// else none. materials: as bind_materials returns them.
+std::vector<mpm::Material> bind_particle_materials(const Candidate& candidate, const State& state,
+                                                   const std::vector<mpm::Material>& materials);
+
 mpm::ProfileConstants bind_constants(const RunSpecification::Profile& profile);
 
 }  // namespace physmas::bind

@@ -34,6 +34,7 @@ mpm::Problem bind_problem(const Candidate& candidate, const State& state, const 
   problem.constants = bind_constants(run.profile);
   problem.contact = bind_contact(state, run.contact);
   problem.particles = bind_particles(state);
+  problem.particles.material = bind_particle_materials(candidate, state, problem.materials);
   problem.schedule = bind_schedule(candidate, run);
   return problem;
 }

@@ -18,6 +18,7 @@
 #include "bundle/captured_views.h"
 #include "bundle/dataparser_transform.h"
 #include "bundle/dense_component.h"
+#include "bundle/material_files.h"
 #include "bundle/physgaussian.h"
 #include "bundle/scene_doubts.h"
 #include "bundle/user_views.h"
@@ -296,6 +297,22 @@ void record_selection(const Selection& selection, size_t removed, const Gaussian
   if (removed > 0) provenance.options.emplace_back("gaussians_removed", std::to_string(removed));
 }
 
+// A field in other coordinates than the Gaussians' would give its numbers to nobody, or to the wrong ones.
+void require_overlap(const MaterialField& field, const Gaussians& gaussians, const ImportOptions& options) {
+  Eigen::AlignedBox3f samples, scene;
+  for (const Eigen::Vector3f& p : field.position) samples.extend(p);
+  for (const Eigen::Vector3f& p : gaussians.position) scene.extend(p);
+  const float margin = 0.1f * scene.diagonal().norm();
+  const Eigen::AlignedBox3f around(scene.min().array() - margin, scene.max().array() + margin);
+  if (around.intersects(samples)) return;
+  const auto text = [](const Eigen::AlignedBox3f& box) {
+    return fmt::format("({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g})", box.min().x(), box.min().y(),
+                       box.min().z(), box.max().x(), box.max().y(), box.max().z());
+  };
+  throw invalid_input({options.material_field, "positions", text(samples), text(scene) + ", where the Gaussians are",
+                       "write the positions in the coordinates of " + options.gaussians});
+}
+
 // A plane that has a part of the scene behind it: what lies there would be pushed out at once.
 std::string cut_warning(const Gaussians& gaussians, const RunSpecification& run) {
   constexpr double kWorthAWarning = 0.02;
@@ -357,6 +374,8 @@ void write_import_bundle(const ImportOptions& given) {
     base = take_configuration(configuration, options);
   }
   options.dataparser = dataparser_file(options);
+  MaterialSamples samples;
+  if (!options.material_field.empty()) samples = load_material_samples(options.material_field);
   GaussianFile file = read_gaussian_file(options.gaussians, options.reading);
   const GaussianNotes& notes = file.notes;
   for (const std::string& note : notes.notes) log_note(options.gaussians + ": " + note);
@@ -368,6 +387,11 @@ void write_import_bundle(const ImportOptions& given) {
   if (warning.empty()) warning = surroundings_warning(gaussians, dense_component(gaussians), notes.offset);
   const bool turned = configuration.turn != Eigen::Matrix3d::Identity();
   if (turned) splat::turn_gaussians(gaussians, configuration.turn);
+  MaterialField field;
+  if (!options.material_field.empty()) {
+    field = placed_samples(samples, notes.offset, configuration.turn);
+    require_overlap(field, gaussians, options);
+  }
   Scene scene;
   scene.name = options.name.empty() ? name_from(options.gaussians) : options.name;
   scene.prompt = options.prompt;
@@ -426,6 +450,7 @@ void write_import_bundle(const ImportOptions& given) {
   for (const std::string& input : gaussian_input_files(options.gaussians)) provenance.add_input(input);
   if (!options.physgaussian.empty()) provenance.add_input(options.physgaussian);
   if (!options.run.empty()) provenance.add_input(options.run);
+  if (!options.material_field.empty()) provenance.add_input(options.material_field);
   if (!options.cameras.empty()) {
     for (const std::string& file : captured_view_files(options.cameras)) provenance.add_input(file);
   }
@@ -458,6 +483,13 @@ void write_import_bundle(const ImportOptions& given) {
     hints.add_input(options.physgaussian);
     scene.materials = options.folder + "/material-records.json";
     save_record(scene.materials, "material_records", hints, material_hints(configuration, row_keys));
+  }
+  if (!options.material_field.empty()) {
+    Provenance of_field;
+    of_field.tool = "pm-scene";
+    of_field.add_input(options.material_field);
+    scene.material_field = options.folder + "/material-field.h5";
+    save_material_field(scene.material_field, field, of_field);
   }
   save_scene(options.folder + "/scene.json", scene, provenance);
   if (turned) print("turned: the bundle has PhysGaussian's axes, {}\n", rotation_text(configuration.turn));

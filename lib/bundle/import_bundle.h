@@ -25,6 +25,7 @@ struct ImportOptions {
   std::string masks;           // folder with VIEW/OBJECT.png and VIEW/OBJECT/PART.png, or empty
   std::string run;             // partial run specification, or empty
   std::string physgaussian;    // configuration that `run` and the other options win over, or empty
+  std::string material_field;  // of another program (material_files.h), or empty
   Selection selection;         // which Gaussians are taken
   double drop = 0.15;          // height of the lowest mean above the floor that is added, solver units, >= 0
   double view_elevation = 10;  // of the four views that we render, degrees
@@ -37,7 +38,8 @@ struct ImportOptions {
 // stands so low that the floor lies a little above the lower wall. Errors (exit code 3): what the readers refuse, a
 // blank prompt, not exactly four views, an image of another size than its camera, a scene or floor outside the walls.
 // A PhysGaussian configuration also leaves material-records.json, hints for pm-material --authored; what could not be
-// mapped is printed and recorded in the provenance of scene.json. Unchanged files keep their timestamps.
+// mapped is printed and recorded in the provenance of scene.json. A material field becomes material-field.h5, moved and
+// turned as the Gaussians are; one that lies elsewhere is refused. Unchanged files keep their timestamps.
 void write_import_bundle(const ImportOptions& options);
 
 }  // namespace physmas::bundle

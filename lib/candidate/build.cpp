@@ -14,7 +14,7 @@ namespace {
 
 Candidate complete(const Context& context, Configuration configuration, const std::string& plan_file) {
   Candidate candidate;
-  candidate.timestep = step_size(configuration.rows, context.evidence.whole_object, context.run.time);
+  candidate.timestep = step_size(configuration.rows, context.evidence.whole_object, context.run.time, context.state);
   candidate.omitted = context.inactive;
   candidate.schedule = compile_schedule(context, configuration, candidate.timestep, plan_file, candidate.omitted);
   candidate.rows = std::move(configuration.rows);

@@ -10,10 +10,9 @@
 namespace physmas::candidate {
 namespace {
 
-// Solver ranges of ordinary rows (paper, "Visual-to-Solver Mapping and Parameter Domain").
 CandidateRow clamped(CandidateRow row) {
-  row.nu = std::clamp(row.nu, 0.05, 0.45);
-  row.rho = std::clamp(row.rho, 300.0, 3000.0);
+  row.nu = std::clamp(row.nu, kSolverNu[0], kSolverNu[1]);
+  row.rho = std::clamp(row.rho, kSolverRho[0], kSolverRho[1]);
   return row;
 }
 
@@ -29,8 +28,8 @@ std::set<int> impact_rows(const Inventory& inventory, const Plan& plan) {
 }  // namespace
 
 Context make_context(const Inventory& inventory, const Evidence& evidence, const Plan& plan,
-                     const RunSpecification& run, const std::vector<long>& gaussians) {
-  Context context{inventory, evidence, plan, run, {}, {}, false, 0};
+                     const RunSpecification& run, const std::vector<long>& gaussians, const State* state) {
+  Context context{inventory, evidence, plan, run, {}, {}, false, 0, state};
   const std::set<int> targets = impact_rows(inventory, plan);
   std::set<std::string> objects;
   for (size_t r = 0; r < inventory.rows.size(); ++r) {
@@ -67,6 +66,7 @@ CandidateRow row_at(const Context& context, const ActiveRow& a, double kappa_E, 
   CandidateRow row = row_of_label(context, a, evidence.label);
   row.E = E_at(evidence, kappa_E);
   row.nu = nu_at(evidence, kappa_nu);
+  if (evidence.field) row.rho = evidence.field->rho.median;
   return clamped(row);
 }
 
@@ -81,6 +81,8 @@ CandidateRow row_of_label(const Context& context, const ActiveRow& a, int label)
   row.rho = prior.rho;
   row.label = label;
   row.residual = context.inventory_row(a).residual;
+  const std::optional<EvidenceRow::Field>& field = context.evidence_row(a).field;
+  if (field) row.field = {{field->E.median, field->nu.median, field->rho.median}, context.evidence_row(a).label};
   return clamped(row);
 }
 

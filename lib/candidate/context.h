@@ -10,6 +10,7 @@
 #include "records/inventory.h"
 #include "records/plan.h"
 #include "records/run_specification.h"
+#include "records/state.h"
 
 namespace physmas::candidate {
 
@@ -31,15 +32,17 @@ struct Context {
   std::vector<Omission> inactive;   // residual rows without Gaussians
   bool several_objects = false;     // two or more objects among the active rows
   double mean_part_confidence = 0;  // gamma-bar over the active rows
+  const State* state = nullptr;     // where its particles have materials of their own
 
   const InventoryRow& inventory_row(const ActiveRow& a) const { return inventory.rows[a.row]; }
   const EvidenceRow& evidence_row(const ActiveRow& a) const { return evidence.rows[a.row]; }
 };
 
 // gaussians: how many carry each row, [inventory.rows]. Active are all semantic rows, and residual rows with Gaussians;
-// an empty part table is an Error (exit code 3). The references must outlive the context.
+// an empty part table is an Error (exit code 3). The references, and `state` where it is not null, must outlive the
+// context.
 Context make_context(const Inventory& inventory, const Evidence& evidence, const Plan& plan,
-                     const RunSpecification& run, const std::vector<long>& gaussians);
+                     const RunSpecification& run, const std::vector<long>& gaussians, const State* state = nullptr);
 
 // The standard normal quantiles that the transforms use: kappa_xi for xi = 0.15, 0.25, 0.50, 0.75.
 constexpr double kQuantile15 = -1.04, kQuantile25 = -0.67, kMedian = 0, kQuantile75 = 0.67;

@@ -25,6 +25,7 @@ void give_one_material(Evidence& evidence, const Inventory& inventory, const std
     evidence.rows[r] = own[from];
     evidence.rows[r].key = own[r].key;
     evidence.rows[r].gaussians = own[r].gaussians;
+    evidence.rows[r].field.reset();
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/elasticity.h"
+#include "records/particle_material.h"
 
 namespace physmas::candidate {
 namespace {
@@ -13,13 +14,31 @@ constexpr double kWaveSpeedScale = 0.7;  // kappa_CFL
 // Quotients such as 0.04 / 2e-4 must not gain or lose a substep to rounding.
 constexpr double kSlack = 1e-9;
 
+// Wave speed of the fastest particle with a material of its own, 0 where there is none.
+double fastest_particle(const std::vector<CandidateRow>& rows, const State& state) {
+  if (state.field.empty()) return 0;
+  std::vector<const CandidateRow*> row_of(state.row_keys.size(), nullptr);
+  for (const CandidateRow& row : rows) {
+    if (row.field) row_of[row.row] = &row;
+  }
+  double fastest = 0;
+  for (size_t q = 0; q < state.particle_count(); ++q) {
+    const CandidateRow* row = row_of[state.row[q]];
+    if (row == nullptr) continue;
+    const ParticleNumbers own = particle_numbers(*row, state.field, q);
+    fastest = std::max(fastest, wave_speed(own.E, own.nu, own.rho));
+  }
+  return fastest;
+}
+
 }  // namespace
 
 TimestepResult step_size(const std::vector<CandidateRow>& rows, const WholeObject& whole,
-                         const RunSpecification::Time& time) {
+                         const RunSpecification::Time& time, const State* state) {
   TimestepResult result;
   result.c_max = wave_speed(whole.E, whole.nu, whole.rho);
   for (const CandidateRow& row : rows) result.c_max = std::max(result.c_max, wave_speed(row.E, row.nu, row.rho));
+  if (state != nullptr) result.c_max = std::max(result.c_max, fastest_particle(rows, *state));
   result.c_ref = wave_speed(kReferenceE, kReferenceNu, kReferenceRho);
   result.target = result.c_max <= kWaveSpeedScale * result.c_ref
                       ? time.substep_dt

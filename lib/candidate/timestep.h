@@ -7,13 +7,14 @@
 #include "records/candidate.h"
 #include "records/evidence.h"
 #include "records/run_specification.h"
+#include "records/state.h"
 
 namespace physmas::candidate {
 
 // The target step, its ceiling-rounded count of substeps per output frame, and the caps. The whole-object row always
-// takes part.
+// takes part. state: where its particles have materials of their own, the fastest of them takes part; else null.
 TimestepResult step_size(const std::vector<CandidateRow>& rows, const WholeObject& whole,
-                         const RunSpecification::Time& time);
+                         const RunSpecification::Time& time, const State* state = nullptr);
 
 }  // namespace physmas::candidate
 

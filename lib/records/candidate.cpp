@@ -28,6 +28,11 @@ Candidate load_candidate(const std::string& path) {
     row.rho = json.at("rho").get<double>();
     row.label = find_label(json.at("label").get<std::string>()).value();
     row.residual = json.at("residual").get<bool>();
+    if (json.contains("field")) {
+      const Json& field = json.at("field");
+      row.field = {{field.at("E").get<double>(), field.at("nu").get<double>(), field.at("rho").get<double>()},
+                   find_label(field.at("label").get<std::string>()).value()};
+    }
     if (!indices.insert(row.row).second) throw invalid_field(path, pointer + "/row", row.row, "each row once");
     candidate.rows.push_back(row);
   }
@@ -83,6 +88,10 @@ void save_candidate(const std::string& path, const Candidate& candidate, const P
                             {"rho", row.rho},
                             {"label", kLabels[row.label].name},
                             {"residual", row.residual}});
+    if (!row.field) continue;
+    const ParticleNumbers& numbers = row.field->numbers;
+    json["rows"].back()["field"] = {
+        {"E", numbers.E}, {"nu", numbers.nu}, {"rho", numbers.rho}, {"label", kLabels[row.field->label].name}};
   }
   json["controls"]["projection"] = Json::object();
   for (const auto& [key, eta] : candidate.projection) json["controls"]["projection"][key] = eta;

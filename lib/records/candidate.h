@@ -2,6 +2,7 @@
 #ifndef PHYSMAS_RECORDS_CANDIDATE_H
 #define PHYSMAS_RECORDS_CANDIDATE_H
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,6 +15,11 @@ namespace physmas {
 
 struct Inventory;
 
+// E [Pa], Poisson's ratio and density [kg/m^3] of a particle, in solver space.
+struct ParticleNumbers {
+  double E, nu, rho;
+};
+
 // One row Theta_r: branch, E [Pa], nu, rho [kg/m^3], all in solver space.
 struct CandidateRow {
   std::string key;
@@ -22,6 +28,13 @@ struct CandidateRow {
   double E = 0, nu = 0, rho = 0;
   int label = 0;  // index into kLabels
   bool residual = false;
+  // Where a material field says what the row's particles are made of: what E, nu and rho stand for among its numbers,
+  // and the label in whose domain these are taken (records/particle_material.h).
+  struct Field {
+    ParticleNumbers numbers;
+    int label;
+  };
+  std::optional<Field> field;
 };
 
 // Result of the heterogeneous step-size rule (paper, Eq. supp-adaptivedt).

@@ -92,6 +92,16 @@ EvidenceRow row_from(const Json& json, const std::string& file, const std::strin
   row.entropy = json.value("entropy", 0.0);
   row.mask_confidence = json.at("mask_confidence").get<double>();
   row.part_confidence = json.at("part_confidence").get<double>();
+  if (json.contains("field")) {
+    const Json& field = json.at("field");
+    const auto range = [&](const char* name) {
+      const Json& numbers = field.at(name);
+      return EvidenceRow::Field::Range{numbers.at("least").get<double>(), numbers.at("median").get<double>(),
+                                       numbers.at("most").get<double>(), numbers.at("clamped").get<long>()};
+    };
+    row.field = {field.at("particles").get<long>(), field.at("sampled").get<long>(), range("E"), range("nu"),
+                 range("rho")};
+  }
   check_row(row, file, pointer);
   return row;
 }
@@ -138,6 +148,17 @@ Json row_json(const EvidenceRow& row) {
   json["entropy"] = row.entropy;
   json["mask_confidence"] = row.mask_confidence;
   json["part_confidence"] = row.part_confidence;
+  if (row.field) {
+    const auto range = [](const EvidenceRow::Field::Range& numbers) {
+      return Json{
+          {"least", numbers.least}, {"median", numbers.median}, {"most", numbers.most}, {"clamped", numbers.clamped}};
+    };
+    json["field"] = {{"particles", row.field->particles},
+                     {"sampled", row.field->sampled},
+                     {"E", range(row.field->E)},
+                     {"nu", range(row.field->nu)},
+                     {"rho", range(row.field->rho)}};
+  }
   return json;
 }
 

@@ -2,6 +2,7 @@
 #ifndef PHYSMAS_RECORDS_EVIDENCE_H
 #define PHYSMAS_RECORDS_EVIDENCE_H
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,16 @@ struct EvidenceRow {
     bool applied = false;
     int label = 0;                   // the label after this guard
     Json measured = Json::object();  // every value that the guard compared
+  };
+  // What a material field says of the row's particles, inside the domain of the row's label.
+  struct Field {
+    struct Range {
+      double least = 0, median = 0, most = 0;
+      long clamped = 0;  // particles whose sample lies outside the domain
+    };
+    long particles = 0;  // of the row
+    long sampled = 0;    // of them near a sample, at least one
+    Range E, nu, rho;    // Pa, 1, kg/m^3
   };
   std::string key;
   bool residual = false;
@@ -47,6 +58,7 @@ struct EvidenceRow {
   double entropy = 0;          // H_r
   double mask_confidence = 0;  // gamma^mask, 0: unavailable
   double part_confidence = 0;  // gamma^part
+  std::optional<Field> field;
   // P_r(label), 0 for a label that is not there.
   double probability(int label) const;
 };

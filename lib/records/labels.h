@@ -47,6 +47,10 @@ inline constexpr std::array<LabelPrior, kLabelCount> kLabels = {{
     {"Foam", Branch::foam, 1e3, 1e7, 0.10, 0.45, 100},
 }};
 
+// Of ordinary rows in the solver: least and most (paper, "Visual-to-Solver Mapping and Parameter Domain").
+inline constexpr std::array<double, 2> kSolverNu = {0.05, 0.45};
+inline constexpr std::array<double, 2> kSolverRho = {300, 3000};  // kg/m^3
+
 // Indices into kLabels.
 enum VisualLabel : int {
   kWood = 0,

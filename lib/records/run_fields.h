@@ -126,6 +126,9 @@ void visit_fields(Run& run, Visitor& v) {
       "that see it");
   v.field("islands", choice(run.lifting.islands, kIslands), {},
           "join: small pieces of a row that hang apart from it are given to the row that they touch; keep: they stay");
+  v.field("field_reach", run.lifting.field_reach, above(0, 512),
+          "cells within which a particle takes the numbers of a material field's nearest sample. Not given: twice the "
+          "samples' spacing, and two cells at least");
 
   v.section("profile", kSimulate, "constants of the six solver profiles, solver-space pascals");
   v.field("foam_yield", run.profile.foam_yield, kPositive, "");

@@ -93,6 +93,9 @@ struct RunSpecification {
     enum class Occlusion { none, depth } occlusion = Occlusion::none;
     // join: small pieces of a row that hang apart from it are given to what they touch.
     enum class Islands { keep, join } islands = Islands::join;
+    // Cells within which a particle takes the numbers of the nearest sample of a material field. Not said: as far as
+    // the samples reach (lift/material_samples.h).
+    std::optional<double> field_reach;
   } lifting;
 
   // Fixed constants of the six profiles, solver-space pascals (readings, "Constitutive branches and stepping").

@@ -82,6 +82,7 @@ Scene load_scene(const std::string& path, const SceneNeeds& needs) {
   scene.inventory = resolve_field(document, "inventory", scene.root, path);
   scene.masks = resolve_field(document, "masks", scene.root, path);
   scene.materials = resolve_field(document, "materials", scene.root, path);
+  scene.material_field = resolve_field(document, "material_field", scene.root, path);
   const Json views = document.value("views", Json::array());
   std::set<std::string> names;
   for (size_t i = 0; i < views.size(); ++i) {
@@ -134,6 +135,7 @@ void save_scene(const std::string& path, const Scene& scene, const Provenance& p
   if (!scene.inventory.empty()) json["inventory"] = relative_in(scene.inventory, root);
   if (!scene.masks.empty()) json["masks"] = relative_in(scene.masks, root);
   if (!scene.materials.empty()) json["materials"] = relative_in(scene.materials, root);
+  if (!scene.material_field.empty()) json["material_field"] = relative_in(scene.material_field, root);
   json["run"] = to_json(scene.run);
   save_record(path, "scene", provenance, json);
 }

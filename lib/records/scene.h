@@ -30,9 +30,10 @@ struct Scene {
   std::string gaussians;
   std::vector<SceneView> views;  // four, or none in a slice that needs none
   std::vector<Camera> output_cameras;
-  std::string inventory;  // authored, or empty
-  std::string masks;      // authored masks folder, or empty
-  std::string materials;  // material records that came with the file (a PhysGaussian configuration), or empty
+  std::string inventory;       // authored, or empty
+  std::string masks;           // authored masks folder, or empty
+  std::string materials;       // material records that came with the file (a PhysGaussian configuration), or empty
+  std::string material_field;  // material-field.h5 (records/material_field.h), or empty
   RunSpecification run;
 
   // The camera of output frame t: cameras are one for all frames, or one per frame.
@@ -49,8 +50,8 @@ struct SceneNeeds {
   bool output_cameras = false;
 };
 
-// A motion prompt: at most this many characters of UTF-8, not all blank. source: where it stands ("--prompt" or a file) for
-// the Error (exit code 3).
+// A motion prompt: at most this many characters of UTF-8, not all blank. source: where it stands ("--prompt" or a file)
+// for the Error (exit code 3).
 constexpr long kMaxPrompt = 2000;
 void check_prompt(const std::string& prompt, const std::string& source);
 

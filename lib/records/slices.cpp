@@ -97,8 +97,8 @@ Json output_cameras_for(const Scene& scene, const Json& overrides) {
 
 }  // namespace
 
-void write_slices(const std::string& scene_path, const Json& overrides, const Json& defaults,
-                  const std::string& prompt, const std::string& folder) {
+void write_slices(const std::string& scene_path, const Json& overrides, const Json& defaults, const std::string& prompt,
+                  const std::string& folder) {
   Json document = load_record(scene_path, "scene");
   if (!prompt.empty()) {
     check_prompt(prompt, "--prompt");
@@ -150,6 +150,10 @@ void write_slices(const std::string& scene_path, const Json& overrides, const Js
     if (content.stage == kMaterial && document.contains("materials")) {
       slice["materials"] = document.at("materials");
       add_file(document.at("materials").get<std::string>());
+    }
+    if (content.stage == kLift && document.contains("material_field")) {
+      slice["material_field"] = document.at("material_field");
+      add_file(document.at("material_field").get<std::string>());
     }
     if (!files.empty()) slice["files"] = files;
     slice["run"] = run_part(specification, content);

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "records/hdf5_file.h"
 #include "records/json.h"
+#include "records/material_field.h"
 
 namespace physmas {
 namespace {
@@ -79,6 +80,25 @@ Carriers read_carriers(const Hdf5Reader& file, const std::vector<int32_t>& rows,
   return carriers;
 }
 
+constexpr const char* kFieldGroup = "/field";
+
+ParticleField read_particle_field(const Hdf5Reader& file, uint64_t particles) {
+  ParticleField field;
+  if (!file.exists(kFieldGroup)) return field;
+  field.E = file.read_float("/field/youngs_modulus", {particles});
+  field.nu = file.read_float("/field/poisson_ratio", {particles});
+  field.rho = file.read_float("/field/density", {particles});
+  field.reach = file.read_attribute(kFieldGroup, "reach", 1)[0];
+  if (!(field.reach >= 0)) throw file.invalid("/field/@reach", fmt::format("{}", field.reach), "0 or more");
+  for (uint64_t q = 0; q < particles; ++q) {
+    if (field.E[q] == 0 && field.nu[q] == 0 && field.rho[q] == 0) continue;
+    const std::string fault = sample_fault(field.E[q], field.nu[q], field.rho[q]);
+    if (!fault.empty())
+      throw file.invalid(kFieldGroup, fmt::format("{} at particle {}", fault, q), "that of a material, or three zeros");
+  }
+  return field;
+}
+
 // A list in a text attribute of the root.
 Json list_attribute(const Hdf5Reader& file, const char* name) {
   const Json list = parse_json(file.read_text_attribute("/", name), file.path());
@@ -114,7 +134,8 @@ State load_state(const std::string& path, const Inventory* inventory) {
   const Hdf5Reader file(path, "state");
   file.allow_only({"/gaussians/object", "/gaussians/row", "/gaussians/confidence", "/particles/position",
                    "/particles/volume", "/particles/row", "/particles/object", "/particles/source",
-                   "/carriers/gaussian", "/carriers/rest", "/carriers/particle", "/carriers/weight"});
+                   "/carriers/gaussian", "/carriers/rest", "/carriers/particle", "/carriers/weight",
+                   "/field/youngs_modulus", "/field/poisson_ratio", "/field/density"});
   State state;
   const Json keys = list_attribute(file, "rows");
   for (const Json& key : keys) state.row_keys.push_back(text_of(file, "/@rows", key));
@@ -167,6 +188,7 @@ State load_state(const std::string& path, const Inventory* inventory) {
                          "the Gaussians first, in file order");
     }
   }
+  state.field = read_particle_field(file, particles);
   for (const Json& entry : list_attribute(file, "omitted"))
     state.omitted.push_back({text_of(file, "/@omitted", entry, "what"), text_of(file, "/@omitted", entry, "why")});
   return state;
@@ -192,6 +214,12 @@ void save_state(const std::string& path, const State& state, const Provenance& p
     file.write_float("/carriers/rest", {gaussians, 3}, c.rest.front().data());
     file.write_int("/carriers/particle", {gaussians, Carriers::kPerGaussian}, c.particle.data());
     file.write_float("/carriers/weight", {gaussians, Carriers::kPerGaussian}, c.weight.data());
+  }
+  if (!state.field.empty()) {
+    file.write_float("/field/youngs_modulus", {particles}, state.field.E.data());
+    file.write_float("/field/poisson_ratio", {particles}, state.field.nu.data());
+    file.write_float("/field/density", {particles}, state.field.rho.data());
+    file.write_attribute(kFieldGroup, "reach", {state.field.reach});
   }
   file.make_group("/map");
   file.write_attribute("/map", "s", {state.map.s});

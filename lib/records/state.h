@@ -34,6 +34,15 @@ struct Carriers {
   bool empty() const { return gaussian.empty(); }
 };
 
+// What a material field says of the particles (records/material_field.h), as its file has it. Empty where the scene has
+// none.
+struct ParticleField {
+  std::vector<float> E, nu, rho;  // [N_Q] Pa, Poisson's ratio, kg/m^3; E = 0: no sample is near enough
+  double reach = 0;               // how near that is, solver units
+  bool empty() const { return E.empty(); }
+  bool has_sample(size_t q) const { return E[q] > 0; }
+};
+
 struct State {
   // Gaussians, file order, [N_G].
   std::vector<int32_t> gaussian_object;    // index into inventory.objects
@@ -46,6 +55,7 @@ struct State {
   std::vector<int32_t> row;
   std::vector<int32_t> object;
   std::vector<int32_t> source;  // source Gaussian iota(q), paper Eq. (particlesource)
+  ParticleField field;
   SolverMap map;
   std::vector<std::string> row_keys;  // inventory.rows when the state was made
   std::vector<Omission> omitted;

@@ -114,6 +114,11 @@ std::string evidence_text(const EvidenceRow& row) {
       text += fmt::format("{}guard {} made it {}", text.empty() ? "" : "; ", escaped(guard.name),
                           kLabels[static_cast<size_t>(guard.label)].name);
   }
+  if (row.field) {
+    text += fmt::format("{}material field: {:.0f} % of the particles, E {} to {}", text.empty() ? "" : "; ",
+                        100.0 * static_cast<double>(row.field->sampled) / static_cast<double>(row.field->particles),
+                        with_prefix(row.field->E.least, "Pa"), with_prefix(row.field->E.most, "Pa"));
+  }
   return text.empty() ? "no evidence: the fallback" : text;
 }
 
@@ -239,11 +244,14 @@ std::string parts_section(const RunRecords& run, const Gaussians* gaussians) {
     const int label = material != nullptr ? material->label : evidence != nullptr ? evidence->label : -1;
     const double E = material != nullptr ? material->E : evidence != nullptr ? std::pow(10, evidence->log10_E) : 0;
     const double nu = material != nullptr ? material->nu : evidence != nullptr ? evidence->nu : 0;
+    // Of the median particle.
+    const double rho = material != nullptr                      ? material->rho
+                       : evidence != nullptr && evidence->field ? evidence->field->rho.median
+                       : label >= 0                             ? kLabels[static_cast<size_t>(label)].rho
+                                                                : 0;
     html += label >= 0 ? fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
                                      number(with_prefix(E, "Pa")), number(fmt::format("{:.3g}", nu)),
-                                     number(fmt::format("{:.4g} kg/m³", material != nullptr
-                                                                            ? material->rho
-                                                                            : kLabels[static_cast<size_t>(label)].rho)))
+                                     number(fmt::format("{:.4g} kg/m³", rho)))
                        : "<td>–</td><td>–</td><td>–</td>";
     html += fmt::format(
         "<td>{}</td></tr>\n",

@@ -125,7 +125,7 @@ scene=(run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" UP=z RUN=run SPEC=sp
     cp -r bundle "./$text.d"
     tries safe GAUSSIANS "$text" run GAUSSIANS="$text.ply" PROMPT="it falls" RUN=run
     tries taken SPEC "$text" "${scene[@]}" SPEC="$text"
-    for variable in INVENTORY DATAPARSER PHYSGAUSSIAN AUTHORED PREDICTOR CAMERAS; do
+    for variable in INVENTORY DATAPARSER PHYSGAUSSIAN MATERIALS AUTHORED PREDICTOR CAMERAS; do
       tries "$(taken_by $variable "$text")" $variable "$text" "${scene[@]}" "$variable=$text"
     done
     for variable in HEADERS BODY; do tries taken $variable "$text" "${scene[@]}" AGENT=builtin "$variable=$text"; done

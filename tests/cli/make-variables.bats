@@ -56,7 +56,7 @@ refuses() {
   for variable in SPEC AUTHORED PREDICTOR BASE; do
     refuses "$variable=no/such.json is not there" -- run EXAMPLE=cake "$variable=no/such.json"
   done
-  for variable in INVENTORY CAMERAS PHYSGAUSSIAN MASKS; do
+  for variable in INVENTORY CAMERAS PHYSGAUSSIAN MATERIALS MASKS; do
     refuses "$variable=no such (1).json is not there" -- run GAUSSIANS=bundle/gaussians.ply PROMPT="it falls" "$variable=no such (1).json"
   done
   refuses "GAUSSIANS=my scans/x.ply is not there" -- run GAUSSIANS="my scans/x.ply" PROMPT="it falls"

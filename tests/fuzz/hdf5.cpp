@@ -1,7 +1,8 @@
-// The contents of state.h5, masks.h5 and rollouts: the input says which datasets and attributes an HDF5 file has, of
-// what type and shape and with what values. So the fuzzer tests what the readers check, not the HDF5 library.
+// The contents of state.h5, masks.h5, rollouts and material fields: the input says which datasets and attributes an
+// HDF5 file has, of what type and shape and with what values. So the fuzzer tests what the readers check, not the HDF5
+// library.
 //
-// Input: the record (0 state, 1 rollout, 2 masks, 3 a wrong schema), then entries until the end:
+// Input: the record (0 state, 1 rollout, 2 masks, 3 a wrong schema, 4 a material field), then entries until the end:
 //   0 dataset: name, type, rank, extents (255: 2^40 without data), values
 //   1 attribute of numbers: object, name, type, count, values
 //   2 attribute of text: object (from 128 on the text has variable length), name, length, bytes
@@ -14,6 +15,7 @@
 #include "guard.h"
 #include "records/hdf5_check.h"
 #include "records/masks.h"
+#include "records/material_field.h"
 #include "records/rollout.h"
 #include "records/state.h"
 #include "scratch.h"
@@ -22,7 +24,7 @@ namespace {
 
 using namespace physmas;
 
-const std::vector<std::string> kRecords = {"state", "rollout", "masks", "plan"};
+const std::vector<std::string> kRecords = {"state", "rollout", "masks", "plan", "material_field"};
 const std::vector<std::string> kNames = {"/gaussians/row",
                                          "/gaussians/object",
                                          "/gaussians/confidence",
@@ -44,8 +46,17 @@ const std::vector<std::string> kNames = {"/gaussians/row",
                                          "/carriers/gaussian",
                                          "/carriers/rest",
                                          "/carriers/particle",
-                                         "/carriers/weight"};
-const std::vector<std::string> kAttributes = {"rows", "omitted", "s", "d", "L", "n", "confidence", "source", "schema"};
+                                         "/carriers/weight",
+                                         "/field/youngs_modulus",
+                                         "/field/poisson_ratio",
+                                         "/field/density",
+                                         "/field",
+                                         "/samples/position",
+                                         "/samples/youngs_modulus",
+                                         "/samples/poisson_ratio",
+                                         "/samples/density"};
+const std::vector<std::string> kAttributes = {"rows", "omitted",    "s",      "d",      "L",
+                                              "n",    "confidence", "source", "schema", "reach"};
 
 class Input {
  public:
@@ -181,6 +192,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       for (int t = 0; t < rollout.frame_count(); ++t) rollout.frame(t);
     } else if (record == "masks") {
       load_masks(path, inventory, {"front"});
+    } else if (record == "material_field") {
+      load_material_field(path);
     } else {
       load_state(path, size % 2 == 0 ? nullptr : &inventory);
     }

@@ -140,7 +140,8 @@ class Hdf5Seed {
   std::string bytes_;
 };
 
-std::string hdf5_state() {
+// field: with the numbers of a material field.
+std::string hdf5_state(bool field) {
   const std::vector<int32_t> two = {0, 1}, zero = {0, 0};
   Hdf5Seed seed(0);
   seed.text(0, 0, R"(["lollipop/stick","lollipop/candy"])").text(0, 1, R"([{"what":"a","why":"b"}])");
@@ -149,6 +150,10 @@ std::string hdf5_state() {
   seed.dataset(3, Hdf5Seed::kInt, {2}, two).dataset(4, Hdf5Seed::kInt, {2}, zero).dataset(5, Hdf5Seed::kInt, {2}, two);
   seed.dataset<float>(6, Hdf5Seed::kFloat, {2}, {0.1f, 0.2f});
   seed.dataset<float>(7, Hdf5Seed::kFloat, {2, 3}, {1, 1, 1, 0.5f, 0.5f, 0.5f});
+  if (field) {
+    seed.dataset<float>(22, Hdf5Seed::kFloat, {2}, {1e6f, 0}).dataset<float>(23, Hdf5Seed::kFloat, {2}, {0.3f, 0});
+    seed.dataset<float>(24, Hdf5Seed::kFloat, {2}, {900, 0}).numbers(25, 9, {0.04});
+  }
   seed.numbers(17, 2, {1}).numbers(17, 3, {0, 0, 0}).numbers(17, 4, {2}).numbers(17, 5, {50});
   return seed.bytes();
 }
@@ -171,6 +176,25 @@ std::string hdf5_masks() {
     seed.numbers(mask, 6, {0.5}).text(static_cast<char>(mask == 12 ? mask + 128 : mask), 7, "file");
   }
   return seed.bytes();
+}
+
+std::string hdf5_material_field() {
+  Hdf5Seed seed(4);
+  seed.dataset<float>(26, Hdf5Seed::kFloat, {2, 3}, {0, 1, 2, 3, 4, 5});
+  seed.dataset<float>(27, Hdf5Seed::kFloat, {2}, {1e6f, 2e6f}).dataset<float>(28, Hdf5Seed::kFloat, {2}, {0.3f, 0});
+  return seed.dataset<float>(29, Hdf5Seed::kFloat, {2}, {500, 900}).bytes();
+}
+
+std::string usda(const char* variable) {
+  return fmt::format(
+      "#usda 1.0\n(\n  doc = \"\"\"two\nlines\"\"\"\n)\ndef Xform \"a\" (kind = \"group\")\n{{\n  # voxels\n  def "
+      "Points \"b\"\n  "
+      "{{\n    uniform token[] xformOpOrder = []\n    point3f[] points = [(0, 1, 2), (3, -4, 5e-1)]\n"
+      "    float[] {0}yms = [1e6, 2e6] (\n      interpolation = \"vertex\"\n    )\n    float[] {0}prs = [0.3]\n    "
+      "float {0}rhos = 900\n"
+      "    float[] w.timeSamples = {{ 0: [1], 1: [2] }}\n    rel m = </a/c>\n    asset f = @x.png@\n  }}\n"
+      "  variantSet \"v\" = {{\n    \"x\" {{\n    }}\n  }}\n}}\n",
+      variable);
 }
 
 std::string exchange() {
@@ -386,7 +410,9 @@ int main(int argc, char** argv) {
        R"("kind":"multi-part","prompt":"it falls","profiles":["Jelly"],"results":{"physmas":{"status":"done",)"
        R"("video":"a.mp4","metrics":["m.json"],"seconds":1},"other":{"status":"failed","reason":"no"}}}]})");
 
-  seed("hdf5/state", hdf5_state());
+  seed("hdf5/state", hdf5_state(false));
+  seed("hdf5/state-field", hdf5_state(true));
+  seed("hdf5/material-field", hdf5_material_field());
   seed("hdf5/rollout", hdf5_rollout());
   seed("hdf5/masks", hdf5_masks());
 
@@ -406,6 +432,17 @@ int main(int argc, char** argv) {
     seed(deflate ? "arrays/deflated" : "arrays/stored",
          testing::zip({{"tracks.npy", tracks}, {"visibility.npy", visibility}}, deflate));
   seed("arrays/json", R"({"tracks":[[[0,0],[1,null]]],"visibility":[[1,true]]})");
+
+  for (const bool deflate : {false, true}) {
+    seed(deflate ? "materials/deflated" : "materials/stored",
+         testing::zip({{"positions.npy", testing::npy<float>("<f4", "(2, 3)", {0, 1, 2, 3, 4, 5})},
+                       {"youngs_modulus.npy", testing::npy<double>("<f8", "(2,)", {1e6, 2e6})},
+                       {"poisson_ratio.npy", testing::npy<float>("<f4", "(2, 1)", {0.3f, 0.4f})},
+                       {"density.npy", testing::npy<int32_t>("<i4", "(2,)", {500, 900})}},
+                      deflate));
+  }
+  seed("materials/usda", usda(""));
+  seed("materials/usda-primvars", usda("primvars:"));
 
   for (const int channels : {1, 3, 4}) {
     Image image(5, 4, channels);

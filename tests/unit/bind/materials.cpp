@@ -74,3 +74,27 @@ TEST_CASE("bind: the solver's constants are the run's, field by field") {
   CHECK(constants.snow_cohesion == 9);
   CHECK(constants.plasticine_cohesion == 10);
 }
+
+TEST_CASE("bind: particles have materials of their own where a row has a field, with the row's branch") {
+  State state = bind_test::state();
+  Candidate candidate = bind_test::candidate();
+  const std::vector<mpm::Material> rows = bind::bind_materials(candidate, state, "c.json");
+  CHECK(bind::bind_particle_materials(candidate, state, rows).empty());
+  state.field.E = {8e4f, 6e5f, 0};
+  state.field.nu = {0.25f, 0.3f, 0};
+  state.field.rho = {600, 2600, 0};
+  // A state's field counts where the candidate's rows were made with it.
+  CHECK(bind::bind_particle_materials(candidate, state, rows).empty());
+  candidate.rows[2].label = kFoam;
+  candidate.rows[2].field = {{4e4, 0.2, 1200}, kFoam};
+  const std::vector<mpm::Material> own = bind::bind_particle_materials(candidate, state, rows);
+  REQUIRE(own.size() == 3);
+  CHECK(own[0].branch == mpm::Branch::foam);
+  CHECK(own[0].E == doctest::Approx(4e4));
+  CHECK(own[0].nu == doctest::Approx(0.25));
+  CHECK(own[0].rho == doctest::Approx(600));
+  CHECK(own[1].branch == mpm::Branch::sand);
+  CHECK(own[1].E == 3e5);
+  CHECK(own[2].branch == mpm::Branch::metal);
+  CHECK(own[2].rho == 1100);
+}

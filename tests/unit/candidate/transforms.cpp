@@ -551,3 +551,35 @@ TEST_CASE("candidate: every candidate holds every active row with its identity")
     CHECK(c.schedule.front().velocity == Eigen::Vector3d(0, 0, -2));
   }
 }
+
+TEST_CASE("candidate: a material field gives rows its median density, and particles take part in the step size") {
+  Cake cake;
+  State state;
+  state.row_keys = cake.inventory.row_keys();
+  state.row = {1, 1, 2};
+  state.field.E = {1e5f, 1e7f, 9e6f};
+  state.field.nu = {0.3f, 0.3f, 0.3f};
+  state.field.rho = {400, 400, 400};
+  const auto posterior = [&] {
+    const Context context = make_context(cake.inventory, cake.evidence, cake.plan, cake.run, cake.gaussians, &state);
+    return build_initial(context, "plan.json").candidates.front();
+  };
+  const Candidate without = posterior();
+  CHECK_FALSE(without.rows[1].field);
+  EvidenceRow::Field field;
+  field.particles = field.sampled = 2;
+  field.E.median = 1e5, field.nu.median = 0.3, field.rho.median = 400;
+  cake.evidence.rows[1].field = field;
+  const Candidate with = posterior();
+  REQUIRE(with.id == "posterior");
+  CHECK(with.rows[1].rho == 400);
+  REQUIRE(with.rows[1].field);
+  CHECK(with.rows[1].field->numbers.E == 1e5);
+  CHECK(with.rows[1].field->label == kFoam);
+  CHECK_FALSE(with.rows[0].field);
+  // Without the stiff rows the fastest particle decides: 1e7 Pa at 400 kg/m^3; that of a row without a field does not.
+  const WholeObject soft = {"fallback", -1, Branch::plasticine, 1, 0.3, 1000};
+  const std::vector<CandidateRow> sponge = {with.rows[1]};
+  CHECK(step_size(sponge, soft, {}, &state).c_max == Approx(wave_speed(1e7, 0.3, 400)));
+  CHECK(step_size(sponge, soft, {}).c_max == Approx(wave_speed(1e5, 0.3, 400)));
+}

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "records/hdf5_file.h"
 #include "records/masks.h"
+#include "records/material_field.h"
 #include "records/rollout.h"
 #include "records/state.h"
 #include "unit/input_error.h"
@@ -107,6 +108,53 @@ TEST_CASE("hdf5: states with impossible contents are refused") {
   CHECK(error([](State& s) { s.volume[2] = 0; }).find("/particles/volume") != std::string::npos);
   CHECK(error([](State& s) { s.source[1] = 2; }).find("/particles/source") != std::string::npos);
   CHECK(error([](State& s) { s.map.s = 0; }).find("/map/@s") != std::string::npos);
+}
+
+TEST_CASE("hdf5: a state with a material field") {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::function<void(ParticleField&)>& change) {
+    State state = small_state();
+    state.field = {{1e6f, 0, 2e6f, 0, 3e6f}, {0.25f, 0, 0.5f, 0, 0.125f}, {500, 0, 600, 0, 700}, 0.04};
+    change(state.field);
+    save_state(folder / "s.h5", state, test_provenance());
+    return message_of([&] { load_state(folder / "s.h5"); });
+  };
+  CHECK(error([](ParticleField&) {}) == "no error");
+  const ParticleField loaded = load_state(folder / "s.h5").field;
+  CHECK(loaded.E == std::vector<float>{1e6f, 0, 2e6f, 0, 3e6f});
+  CHECK(loaded.nu[2] == 0.5f);
+  CHECK(loaded.rho[4] == 700);
+  CHECK(loaded.reach == 0.04);
+  CHECK(error([](ParticleField& f) { f.E[0] = -1; }).find("Young's modulus of -1 Pa at particle 0") !=
+        std::string::npos);
+  CHECK(error([](ParticleField& f) { f.E[0] = 0; }).find("Young's modulus of 0 Pa at particle 0") != std::string::npos);
+  CHECK(error([](ParticleField& f) { f.nu[2] = 0.6f; }).find("Poisson's ratio") != std::string::npos);
+  CHECK(error([](ParticleField& f) { f.rho[4] = 1e10f; }).find("density") != std::string::npos);
+  CHECK(error([](ParticleField& f) { f.reach = -1; }).find("/field/@reach") != std::string::npos);
+}
+
+TEST_CASE("hdf5: a material field survives saving and loading, and hostile ones are refused") {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::function<void(MaterialField&)>& change) {
+    MaterialField field;
+    field.position = {{1, 2, 3}, {4, 5, 6}};
+    field.E = {1e6f, 2e6f}, field.nu = {0.25f, 0.5f}, field.rho = {500, 600};
+    change(field);
+    save_material_field(folder / "f.h5", field, test_provenance());
+    return message_of([&] { load_material_field(folder / "f.h5"); });
+  };
+  CHECK(error([](MaterialField&) {}) == "no error");
+  const MaterialField loaded = load_material_field(folder / "f.h5");
+  CHECK(loaded.position[1] == Eigen::Vector3f(4, 5, 6));
+  CHECK(loaded.E == std::vector<float>{1e6f, 2e6f});
+  CHECK(loaded.nu == std::vector<float>{0.25f, 0.5f});
+  CHECK(loaded.rho == std::vector<float>{500, 600});
+  CHECK(error([](MaterialField& f) { f.E[1] = 0; }).find("Young's modulus of 0 Pa in sample 1") != std::string::npos);
+  CHECK(error([](MaterialField& f) { f.rho[0] = -5; }).find("density of -5") != std::string::npos);
+  CHECK(error([](MaterialField& f) { f.position[0].x() = std::numeric_limits<float>::infinity(); }).find("finite") !=
+        std::string::npos);
+  save_state(folder / "s.h5", small_state(), test_provenance());
+  CHECK(message_of([&] { load_material_field(folder / "s.h5"); }).find("material_field") != std::string::npos);
 }
 
 TEST_CASE("hdf5: a state whose carriers move the other Gaussians") {
