@@ -343,10 +343,10 @@ FUZZ_FLAGS := -std=c++17 -O1 -g -fno-omit-frame-pointer -fsanitize=address,undef
 FUZZ_SOURCES := $(filter-out lib/base/command_line.cpp lib/base/team.cpp lib/remote/remote_flags.cpp $(patsubst %,lib/scene/%.cpp,color placement), \
                   $(wildcard $(patsubst %,lib/%/*.cpp,base records scene remote plan))) \
                 $(patsubst %,lib/bundle/%.cpp,captured_views choose_views colmap_model dataparser_transform dense_component distortion foreign_json \
-                  physgaussian physgaussian_boundaries pose_lists selection transforms_json view_rig) \
+                  material_files physgaussian physgaussian_boundaries pose_lists selection transforms_json usda_points view_rig) \
                 $(patsubst %,lib/masks/%.cpp,coco mask_doubts mask_models queries) \
                 $(patsubst %,lib/material/%.cpp,chat_source pictures predictor_source) lib/screen/run_table.cpp \
-                $(patsubst %,lib/metrics/%.cpp,array_file clip clip_tokenizer video_tracks) lib/tables/suite.cpp \
+                $(patsubst %,lib/metrics/%.cpp,clip clip_tokenizer video_tracks) lib/tables/suite.cpp \
                 lib/splat/video_reader.cpp
 FUZZ_OBJECTS := $(FUZZ_SOURCES:%.cpp=$(FUZZ_BUILD)/obj/%.o) $(FUZZ_BUILD)/obj/embedded_texts.o
 
