@@ -14,7 +14,7 @@
 namespace physmas::bundle {
 namespace {
 
-constexpr size_t kMaxMaterialFile = size_t{1} << 30;
+constexpr size_t kMaxMaterialFile = size_t{1} << 29;
 // Positions beyond this are no coordinates of anything, and float32 of what is left after an offset must hold them.
 constexpr double kFarthest = 1e12;
 

@@ -17,10 +17,13 @@ namespace {
 
 constexpr const char* kLayerMark = "#usda ";
 constexpr int kMostNested = 128;  // prims inside prims
+constexpr size_t kMostPrims = 1000000;
+constexpr size_t kMostNumbers = 6 * kMaxFieldSamples;  // of all attributes that count
 
 // What of a prim counts here.
 struct PrimNumbers {
   std::string name;
+  size_t parent = 0;  // among all prims; the layer itself is the first one and its own parent
   bool moved = false;
   std::optional<std::vector<double>> points, E, nu, rho;
 };
@@ -34,7 +37,13 @@ class UsdaReader {
     while (at_ < text_.size() && text_[at_] != '\n') ++at_;
     skip_space();
     if (peek() == '(') skip_brackets();
-    read_body("", false, 0);
+    prims_.emplace_back();
+    read_body(0, 0);
+    // Only now is it known what moves them.
+    for (size_t i = 1; i < prims_.size(); ++i) {
+      prims_[i].moved |= prims_[prims_[i].parent].moved;
+      take(prims_[i]);
+    }
     if (samples_.position.empty())
       throw invalid_input({file_, "", "no prim with points, yms, prs and rhos", "one",
                            "values from other files count after usdcat --flatten"});
@@ -149,7 +158,7 @@ class UsdaReader {
         // What no double holds is none that counts.
         values.push_back(status == std::errc() ? value : std::numeric_limits<double>::quiet_NaN());
         at_ = static_cast<size_t>(behind - text_.data());
-        if (values.size() > 3 * kMaxFieldSamples)
+        if (++numbers_ > kMostNumbers)
           throw invalid_input({file_, attribute, "more numbers", fmt::format("at most {} samples", kMaxFieldSamples)});
       }
     } while (open > 0);
@@ -177,7 +186,7 @@ class UsdaReader {
         skip_value();
         prim.moved = text_.substr(start, at_ - start).find('"') != std::string::npos;
       } else if (wanted != nullptr && text_.compare(at_, 4, "None") != 0) {
-        *wanted = numbers(prim.name + "." + name);
+        *wanted = numbers(path_of(prim) + "." + name);
       } else {
         skip_value();
       }
@@ -194,17 +203,13 @@ class UsdaReader {
       while (at_ < text_.size() && std::strchr(" \t\r\n;()", text_[at_]) == nullptr);
   }
 
-  // Prims and attributes up to the end of the prim `path`, or of the file. Prims inside it come after it: what moves
-  // them may stand behind them.
-  void read_body(const std::string& path, bool moved_above, int depth) {
+  // Prims and attributes up to the end of a prim, or of the file. Every byte is read once.
+  void read_body(size_t self, int depth) {
     if (depth > kMostNested) fail(fmt::format("at most {} prims inside each other", kMostNested));
-    PrimNumbers prim;
-    prim.name = path;
-    std::vector<std::pair<std::string, size_t>> inside;  // paths, and where their bodies begin
     for (skip_space(); peek() != '}'; skip_space()) {
       if (at_ >= text_.size()) {
-        if (depth > 0) fail("the end of " + path);
-        break;
+        if (depth > 0) fail("the end of " + path_of(prims_[self]));
+        return;
       }
       const size_t statement = at_;
       const std::string first = word();
@@ -213,56 +218,60 @@ class UsdaReader {
         if (peek() != '"' && peek() != '\'') word();
         skip_space();
         if (peek() != '"' && peek() != '\'') fail("a prim's name in quotes");
-        const std::string name = path + "/" + one_line(std::string(quoted()), 80);
+        PrimNumbers prim;
+        prim.name = one_line(std::string(quoted()), 80);
+        prim.parent = self;
         skip_space();
         if (peek() == '(') skip_brackets();
         skip_space();
-        if (peek() != '{') fail("the body of " + name);
-        inside.emplace_back(name, at_ + 1);
-        skip_brackets();
+        if (peek() != '{') fail("the body of " + path_of(prim));
+        ++at_;
+        prims_.push_back(std::move(prim));
+        if (prims_.size() > kMostPrims) fail(fmt::format("at most {} prims", kMostPrims));
+        read_body(prims_.size() - 1, depth + 1);
+        ++at_;
       } else if (first == "variantSet") {
         while (at_ < text_.size() && peek() != '{') skip_plain();
         if (peek() != '{') fail("a variant set");
         skip_brackets();
       } else {
         at_ = statement;
-        read_attribute(prim);
+        read_attribute(prims_[self]);
       }
     }
-    if (depth == 0 && at_ < text_.size()) fail("an attribute or a prim");
-    take(prim, moved_above || prim.moved);
-    const size_t end = at_;
-    for (const auto& [name, body] : inside) {
-      at_ = body;
-      read_body(name, moved_above || prim.moved, depth + 1);
-    }
-    at_ = end;
+    if (depth == 0) fail("an attribute or a prim");
   }
 
-  void take(const PrimNumbers& prim, bool moved) {
+  std::string path_of(const PrimNumbers& prim) const {
+    std::string path = "/" + prim.name;
+    for (size_t i = prim.parent; i != 0; i = prims_[i].parent) path = "/" + prims_[i].name + path;
+    return path;
+  }
+
+  void take(const PrimNumbers& prim) {
     if (!prim.E && !prim.nu && !prim.rho) return;
     if (!prim.points || !prim.E || !prim.nu || !prim.rho)
-      throw invalid_input({file_, prim.name,
+      throw invalid_input({file_, path_of(prim),
                            fmt::format("no {}", !prim.points ? "points"
                                                 : !prim.E    ? "yms"
                                                 : !prim.nu   ? "prs"
                                                              : "rhos"),
                            "points, yms, prs and rhos in the same prim"});
-    if (moved)
-      throw invalid_input({file_, prim.name, "a transform (xformOpOrder) of it or of a prim above it", "none",
+    if (prim.moved)
+      throw invalid_input({file_, path_of(prim), "a transform (xformOpOrder) of it or of a prim above it", "none",
                            "write the points where they are, in the coordinates of the Gaussians"});
     if (prim.points->size() % 3 != 0)
       throw invalid_input(
-          {file_, prim.name + ".points", fmt::format("{} coordinates", prim.points->size()), "three each"});
+          {file_, path_of(prim) + ".points", fmt::format("{} coordinates", prim.points->size()), "three each"});
     const size_t n = prim.points->size() / 3;
     for (const auto& [values, name] :
          {std::pair(&*prim.E, "yms"), std::pair(&*prim.nu, "prs"), std::pair(&*prim.rho, "rhos")}) {
       if (values->size() != n && values->size() != 1)
-        throw invalid_input({file_, prim.name + "." + name, fmt::format("{} values", values->size()),
+        throw invalid_input({file_, path_of(prim) + "." + name, fmt::format("{} values", values->size()),
                              fmt::format("{}, one per point, or one for all", n)});
     }
     if (samples_.position.size() + n > kMaxFieldSamples)
-      throw invalid_input({file_, prim.name, fmt::format("{} samples", samples_.position.size() + n),
+      throw invalid_input({file_, path_of(prim), fmt::format("{} samples", samples_.position.size() + n),
                            fmt::format("at most {}", kMaxFieldSamples)});
     for (size_t i = 0; i < n; ++i) {
       samples_.position.push_back({(*prim.points)[3 * i], (*prim.points)[3 * i + 1], (*prim.points)[3 * i + 2]});
@@ -274,7 +283,8 @@ class UsdaReader {
 
   const std::string& text_;
   const std::string& file_;
-  size_t at_ = 0;
+  size_t at_ = 0, numbers_ = 0;
+  std::vector<PrimNumbers> prims_;
   MaterialSamples samples_;
 };
 
