@@ -16,7 +16,8 @@ namespace {
 
 constexpr size_t kSamples = 20000;
 constexpr int kNeighbours = 4;
-constexpr double kCubeEdge = 6;         // edge of a cube in distances to the fourth neighbour
+constexpr double kCubeEdge = 6;      // edge of a cube in distances to the fourth neighbour
+constexpr size_t kBridge = 3;        // Gaussians of a cube that joins others: a stray is the end of a component
 constexpr double kFarAround = 3;     // the whole scene's box over the component's: worth a warning
 constexpr double kWorthShare = 0.2;  // of the opacities: a smaller component is no object
 constexpr int kMostCubes = 1 << 20;  // per axis
@@ -93,6 +94,7 @@ DenseComponent dense_component(const Gaussians& g) {
       const Eigen::Vector3d low = first + edge * (cube.place - 1).cast<double>().matrix();
       component.box.extend(low);
       component.box.extend(low + Eigen::Vector3d::Constant(edge));
+      if (cube.count < kBridge) continue;
       for (int k = 0; k < 27; ++k) {
         const Eigen::Array3i next = cube.place + Eigen::Array3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
         const auto found = index.find(key_of(next));

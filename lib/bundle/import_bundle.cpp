@@ -335,6 +335,18 @@ std::string cut_warning(const Gaussians& gaussians, const RunSpecification& run)
   return "";
 }
 
+// What makes the scene so large that little is left of the object in the solver; empty where nothing does. Where much
+// lies far around the object, a crop of floaters alone would not help.
+std::string size_warning(const Gaussians& gaussians, const GaussianNotes& notes) {
+  constexpr double kLeft = 3;  // the longest side without floaters, over the object's
+  const Floaters floaters = find_floaters(gaussians);
+  const DenseComponent object = dense_component(gaussians);
+  const std::string warning = floater_warning(floaters, notes.offset);
+  if (!warning.empty() && !(floaters.box.sizes().maxCoeff() > kLeft * object.box.sizes().maxCoeff())) return warning;
+  const std::string around = surroundings_warning(gaussians, object, notes.offset);
+  return around.empty() ? warning : around;
+}
+
 // Removes what is not selected; the crop of the user's is in the file's coordinates, and becomes one of the scene's.
 size_t take_selected(Gaussians& gaussians, ImportOptions& options, const GaussianNotes& notes) {
   Selection& selection = options.selection;
@@ -345,10 +357,10 @@ size_t take_selected(Gaussians& gaussians, ImportOptions& options, const Gaussia
     select_gaussians(gaussians, opaque, options.gaussians);
     const DenseComponent object = dense_component(gaussians);
     selection.crop = object.box;
-    log_note(fmt::format("{}: --crop auto takes {} of {} Gaussians: --crop {}", options.gaussians, object.count, before,
-                         crop_text(Eigen::AlignedBox3d(object.box).translate(notes.offset))));
     selection.crop_axes = Eigen::Matrix3d::Identity();
     select_gaussians(gaussians, selection, options.gaussians);
+    log_note(fmt::format("{}: --crop auto takes {} of {} Gaussians: --crop {}", options.gaussians, gaussians.size(),
+                         before, crop_text(Eigen::AlignedBox3d(object.box).translate(notes.offset))));
     selection.crop->translate(notes.offset);
     return before - gaussians.size();
   }
@@ -383,8 +395,7 @@ void write_import_bundle(const ImportOptions& given) {
   if (options.up.empty()) options.up = usual_up(options, notes);
   Gaussians gaussians = std::move(file.gaussians);
   const size_t removed = take_selected(gaussians, options, notes);
-  std::string warning = floater_warning(find_floaters(gaussians), notes.offset);
-  if (warning.empty()) warning = surroundings_warning(gaussians, dense_component(gaussians), notes.offset);
+  std::string warning = size_warning(gaussians, notes);
   const bool turned = configuration.turn != Eigen::Matrix3d::Identity();
   if (turned) splat::turn_gaussians(gaussians, configuration.turn);
   MaterialField field;

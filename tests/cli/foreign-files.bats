@@ -129,6 +129,23 @@ PY
   done
 }
 
+@test "a scene among floaters is one warning, and --crop auto takes it with what few floaters lie in its box" {
+  cd "$BATS_TEST_TMPDIR" || return 1
+  "$bin/pm-scene" synth "$root/examples/cake.json" --out cake --quiet
+  python3 "$BATS_TEST_DIRNAME/foreign_files.py" floaters cake/gaussians.ply floaters.ply
+  run --separate-stderr import floaters.ply --up z
+  [ "$status" -eq 0 ]
+  [ "$(grep -c warning <<<"$stderr")" -eq 1 ]
+  [[ "$stderr" == *"--crop auto takes it alone"* ]]
+  run --separate-stderr import floaters.ply --up z --crop auto
+  [ "$status" -eq 0 ]
+  refute grep -q warning <<<"$stderr"
+  python3 "$BATS_TEST_DIRNAME/foreign_files.py" kept cake/gaussians.ply floaters.ply "$OUT/gaussians.ply" 200
+  # The note counts what is taken.
+  taken=$(sed -n 's/element vertex //p;/end_header/q' "$OUT/gaussians.ply")
+  [[ "$stderr" == *"takes $taken of 14981 Gaussians"* ]]
+}
+
 @test "views that are blank or of one colour are a warning that names cause and option" {
   run --separate-stderr import "$FILES/linear_scale.ply"
   [[ "$stderr" == *"without the logarithm: --read linear-scales"* ]]

@@ -2,6 +2,8 @@
 """Small files of Gaussians as other programs write them.
 
 foreign_files.py FOLDER              writes them
+foreign_files.py floaters PLY OUT    the Gaussians of a 3DGS file among floaters
+foreign_files.py kept PLY ALL PART MOST   fails when PART lacks Gaussians of PLY (but for strays), or has more than MOST others, which ALL has
 foreign_files.py psnr A B LEAST      fails when two PNGs differ by more
 foreign_files.py poses KIND SCENE FOLDER   the cameras of a scene.json as another program lists them
 """
@@ -14,6 +16,8 @@ import struct
 import sys
 import zipfile
 import zlib
+
+import exported
 
 NAMES = "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split()
 
@@ -110,6 +114,61 @@ def write_files(folder):
             out.write(b"\xff\xd8\xff\xe0 a photograph")
 
 
+def write_floaters(path, out):
+    """The Gaussians of a file among floaters as captures have them: loose clusters of long, thin, mostly faint ones where cameras stood, strays
+    between these and the object, and a background of large ones; 5000 in all."""
+    with open(path, "rb") as file:
+        head, body = file.read().split(b"end_header\n", 1)
+    names = [line.split()[2].decode() for line in head.splitlines() if line.startswith(b"property")]
+    rows = [list(row) for row in struct.iter_unpack("<%df" % len(names), body)]
+    column = {name: k for k, name in enumerate(names)}
+    axes = [[row[column[axis]] for row in rows] for axis in "xyz"]
+    center = [sum(a) / len(a) for a in axes]
+    size = max(max(a) - min(a) for a in axes)
+    draw = random.Random(5)
+
+    def add(place, scales, opacity):
+        row = [0.0] * len(names)
+        for axis, value in zip("xyz", place):
+            row[column[axis]] = value
+        for k in range(3):
+            row[column["scale_%d" % k]] = math.log(scales[k] * size)
+            row[column["f_dc_%d" % k]] = draw.uniform(-1.5, 1.5)
+        for k in range(4):
+            row[column["rot_%d" % k]] = draw.gauss(0, 1)
+        row[column["opacity"]] = math.log(opacity / (1 - opacity))
+        rows.append(row)
+
+    def around(least, most):
+        d = [draw.gauss(0, 1) for _ in range(3)]
+        r = size * draw.uniform(least, most) / math.sqrt(sum(v * v for v in d))
+        return [c + r * v for c, v in zip(center, d)]
+
+    for _ in range(60):
+        cluster = around(0.9, 1.6)
+        for _ in range(35):
+            thick = math.exp(draw.gauss(-4.2, 0.7))
+            add([v + draw.gauss(0, 0.05 * size) for v in cluster], (thick * draw.uniform(2, 8), thick, thick * draw.uniform(0.2, 1)),
+                0.03 + 0.9 * draw.betavariate(1, 3))
+    for _ in range(400):
+        add(around(0.55, 0.9), [math.exp(draw.gauss(-4.5, 0.7)) for _ in range(3)], 0.02 + 0.9 * draw.betavariate(1, 4))
+    for _ in range(2500):
+        add(around(4, 15), [math.exp(draw.gauss(-1.5, 0.6)) for _ in range(3)], draw.uniform(0.3, 0.99))
+    draw.shuffle(rows)
+    write_ply(out, rows, names=names)
+
+
+def compare_kept(path, everything, part, most):
+    scene, among, taken = (exported.read_ply(p) for p in (path, everything, part))
+    place = lambda row: (row["x"], row["y"], row["z"])
+    own, got = {place(r) for r in scene}, {place(r) for r in taken}
+    assert len(among) == len(scene) + 5000
+    # Of a capture's own strays one in ten thousand.
+    assert len(own - got) <= len(own) // 10000, "%d Gaussians of the scene are lost" % len(own - got)
+    others = sum(place(r) not in own for r in taken)
+    assert others <= int(most), "%d floaters are left" % others
+
+
 def pixels(path):
     """Values of an 8-bit PNG without interlacing."""
     with open(path, "rb") as file:
@@ -187,6 +246,10 @@ if __name__ == "__main__":
     if sys.argv[1] == "psnr":
         got = psnr(sys.argv[2], sys.argv[3])
         sys.exit(0 if got >= float(sys.argv[4]) else f"{sys.argv[2]} and {sys.argv[3]}: {got:.1f} dB")
+    elif sys.argv[1] == "floaters":
+        write_floaters(*sys.argv[2:])
+    elif sys.argv[1] == "kept":
+        compare_kept(*sys.argv[2:])
     elif sys.argv[1] == "poses":
         write_poses(*sys.argv[2:])
     else:

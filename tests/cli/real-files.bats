@@ -41,3 +41,11 @@ for key, low, high in (("guitar/body", 0.5, 0.7), ("guitar/neck", 0.12, 0.26), (
 assert [rows[k]["label"] for k in ("guitar/body", "guitar/neck", "guitar/headstock", "stand/stand")] == ["Wood", "Plastic", "Metal", "Metal"]
 PY
 }
+
+@test "real files: the guitar among floaters is taken out of them" {
+  need guitar.compressed.ply
+  "$bin/pm-scene" import "$data/guitar.compressed.ply" --up=-y --prompt "it falls" --out alone
+  python3 "$root/tests/cli/foreign_files.py" floaters alone/gaussians.ply floaters.ply
+  "$bin/pm-scene" import floaters.ply --up=-y --prompt "it falls" --crop auto --out bundle
+  python3 "$root/tests/cli/foreign_files.py" kept alone/gaussians.ply floaters.ply bundle/gaussians.ply 20
+}
