@@ -249,7 +249,7 @@ $(foreach n,1 2,$(if $(filter repair,$(PM_DECISION$(LAST_ROUND))),$(eval $(call 
 NEXT := $(firstword $(filter-out $(KNOWN),$(foreach n,$(ROUNDS),$(filter %/round$(n).mk,$(FACTS)))))
 
 # `make -n` must not run anything, so it sees the graph only as far as it is known.
-# A preview ends before the candidates.
+# A preview ends with the candidates of the first round.
 ifneq ($(DRY)$(filter preview,$(MAKECMDGOALS)),)
   NEXT :=
 endif
@@ -297,7 +297,8 @@ $(STAMPS)/error: $(RUN)/spec/simulate.json $(RUN)/spec/render.json $(RUN)/state.
 
 ifneq ($(filter preview,$(MAKECMDGOALS)),)
 PREVIEW := $(RUN)/preview.html $(RUN)/preview.png $(RUN)/preview.json
-$(STAMPS)/preview: $(RUN)/spec/ground.json $(RUN)/spec/render.json $(GROUNDED) $(RUN)/state.h5 $(RUN)/evidence.json $(call missing,$(PREVIEW)) | $(call built,pm-report)
+$(STAMPS)/preview: $(foreach s,ground simulate render,$(RUN)/spec/$(s).json) $(GROUNDED) $(RUN)/state.h5 $(RUN)/evidence.json \
+                   $(RUN)/candidates/round0.json $(call missing,$(PREVIEW)) | $(call built,pm-report)
 	$(call stage,preview,$(RUN)/preview.html)
 	@$(call job,$(@F),$(threads),$(job_inputs),$(PREVIEW),$@.log) $(BIN)/pm-report preview --run $(RUN) --out $(RUN)/preview.html --threads $(threads)
 	$(finish)

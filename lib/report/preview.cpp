@@ -12,6 +12,7 @@
 #include "records/json.h"
 #include "records/script_json.h"
 #include "report/page.h"
+#include "report/preview_motion.h"
 #include "report/run_records.h"
 #include "report/run_sections.h"
 #include "scene/gaussian_files.h"
@@ -20,13 +21,15 @@
 #include "splat/floor_shadow.h"
 #include "splat/middle_box.h"
 #include "splat/row_colors.h"
+#include "splat/video.h"
 
 namespace fs = std::filesystem;
 
 namespace physmas::report {
 namespace {
 
-constexpr int kWidth = 640;  // pixels of a view's picture in the page, at most
+constexpr int kWidth = 640;   // pixels of a view's picture in the page, at most
+constexpr size_t kStrip = 4;  // pictures of the coarse motion
 
 // Lines and arrows over a view, in its pixels.
 class Overlay {
@@ -96,7 +99,7 @@ class Preview {
       throw invalid_input({options_.run, "", "no inventory.json and plan.json", "a run that was grounded",
                            "make preview RUN=" + options_.run});
     SceneNeeds needs;
-    needs.gaussians = true;
+    needs.gaussians = needs.output_cameras = true;
     scene_ = load_scene(run_.path("spec/render.json"), needs);
     needs = {};
     needs.views = true;
@@ -106,8 +109,12 @@ class Preview {
     page.title = run_.scene->name + ": preview";
     page.styles = {"page.css", "report.css", "preview.css"};
     page.scripts = {"preview.js"};
-    page.body = header() + "<main>\n" + view_section() + plan_section() + mark_section() +
-                parts_section(run_, nullptr) + "</main>\n" + data();
+    // One after the other: each adds its pictures to the sheet.
+    page.body = header() + "<main>\n";
+    page.body += view_section();
+    page.body += plan_section();
+    page.body += motion_section();
+    page.body += mark_section() + parts_section(run_, nullptr) + "</main>\n" + data();
     write_file(options_.out, page_text(page));
     const std::string picture = fs::path(options_.out).replace_extension(".png").string();
     save_png(picture, contact_sheet(pictures_, captions_, 4, 320));
@@ -116,13 +123,14 @@ class Preview {
     for (const std::string& file : run_.files) provenance.add_input(run_.path(file));
     provenance.add_output(options_.out);
     provenance.add_output(picture);
+    if (!video_.empty()) provenance.add_output(video_);
     save_record(fs::path(options_.out).replace_extension(".json").string(), "report", provenance,
                 {{"page", fs::path(options_.out).filename().string()},
                  {"decision", "preview"},
                  {"shown", nullptr},
                  {"candidates", Json::array()},
                  {"viewer", nullptr},
-                 {"omitted", Json::array()}});
+                 {"omitted", to_json(omitted_)}});
   }
 
  private:
@@ -256,6 +264,42 @@ class Preview {
     return "<section id=\"plan\"><h2>What will happen</h2>\n" + html + "</section>\n";
   }
 
+  // The coarse motion as a video of its own beside the page, in the page, and four of its pictures.
+  std::string motion_section() {
+    const PreviewMotion motion = preview_motion(run_, scene_, gaussians_);
+    const std::string path = fs::path(options_.out).replace_extension(".mp4").string();
+    if (motion.pictures.empty()) {
+      std::error_code ignored;
+      fs::remove(path, ignored);
+      omitted_.push_back({"coarse motion", motion.why_not});
+      return "<section id=\"motion\"><h2>How it will move, roughly</h2>\n<p class=\"quiet\">Not shown: " +
+             escaped(motion.why_not) + ".</p></section>\n";
+    }
+    const size_t last = motion.pictures.size() - 1;
+    const Image& first = motion.pictures.front();
+    splat::VideoWriter video(path, first.width, first.height,
+                             std::clamp(static_cast<double>(last) / motion.times.back(), 0.01, 1000.0));
+    for (const Image& picture : motion.pictures) video.write(picture);
+    video.finish();
+    video_ = path;
+    std::string strip;
+    for (size_t k = 0; k < kStrip; ++k) {
+      const size_t t = k * last / (kStrip - 1);
+      const std::string time = fmt::format("{:.2f} s", motion.times[t]);
+      strip += fmt::format(
+          "<figure><img alt=\"At {}\" width=\"{}\" height=\"{}\" src=\"{}\"><figcaption>{}</figcaption></figure>", time,
+          first.width, first.height, data_address("image/jpeg", encode_jpeg(motion.pictures[t], 80)), time);
+      pictures_.push_back(fit_into(motion.pictures[t], pictures_.front().width, pictures_.front().height));
+      captions_.push_back("roughly, " + time);
+    }
+    return fmt::format(
+        "<section id=\"motion\"><h2>How it will move, roughly</h2>\n<div class=\"motion\"><video controls loop muted "
+        "playsinline preload=\"metadata\" width=\"{}\" height=\"{}\" aria-label=\"The coarse motion\" poster=\"{}\" "
+        "src=\"{}\"></video>\n<div class=\"strip\">{}</div></div>\n<p class=\"quiet\">{}</p></section>\n",
+        first.width, first.height, data_address("image/jpeg", encode_jpeg(first, 80)),
+        data_address("video/mp4", read_file(path)), strip, escaped(motion.about));
+  }
+
   static std::string mark_section() {
     return "<section id=\"mark\"><h2>Say which part is which</h2>\n<p>Choose a part or name a new one, then click "
            "around it in each view, or draw around it. A click on the first point, Enter or a double click closes the "
@@ -284,6 +328,8 @@ class Preview {
   Gaussians gaussians_;
   std::vector<Image> pictures_, painted_;
   std::vector<std::string> captions_;
+  std::string video_;  // of the coarse motion; empty: none
+  std::vector<Omission> omitted_;
 };
 
 }  // namespace

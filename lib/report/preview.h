@@ -8,12 +8,12 @@ namespace physmas::report {
 
 struct PreviewOptions {
   std::string run;  // the run's folder, grounded; with lifting and materials as far as they are there
-  std::string out;  // .html; a picture .png and the record .json go beside it
+  std::string out;  // .html; a picture .png, the record .json and the coarse motion .mp4 go beside it
 };
 
-// Writes the page: views with axes, floor, box and arrows for every action, parts in colours, the plan in words and
-// materials as assumed. On it a person marks parts with polygons; it saves an inventory for INVENTORY=. Errors (exit
-// code 3) as load_run, and where nothing was grounded yet.
+// Writes the page: views with axes, floor, box and arrows for every action, parts in colours, the plan in words, the
+// coarse motion of the first candidate and materials as assumed. On it a person marks parts with polygons; it saves an
+// inventory for INVENTORY=. Errors (exit code 3) as load_run, and where nothing was grounded yet.
 void write_preview(const PreviewOptions& options);
 
 }  // namespace physmas::report

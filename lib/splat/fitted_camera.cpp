@@ -121,15 +121,16 @@ std::vector<Camera> base_cameras(const Scene& scene, const Gaussians& gaussians)
   return cameras;
 }
 
-void add_motion(const Gaussians& gaussians, const State& state, const RolloutFrames& rollout, int frames,
-                const std::vector<Camera>& base, FittedCameras& fitted) {
+void add_motion(const Gaussians& gaussians, const State& state, int frames,
+                const std::function<TransportedFrame(int)>& frame_at, const std::vector<Camera>& base,
+                FittedCameras& fitted) {
   const std::vector<std::vector<size_t>> objects = counted_by_object(gaussians, state);
   const double widest = kWidest * middle_box(gaussians).diagonal().norm();
   std::vector<RestShape> rest(gaussians.size());
   for (size_t i = 0; i < rest.size(); ++i) rest[i] = rest_shape(gaussians, i);
   std::vector<PictureReach> at_rest(objects.size());
   for (int t = 0; t < frames; ++t) {
-    const TransportedFrame frame = rollout.frame(t);
+    const TransportedFrame frame = frame_at(t);
     for (size_t object = 0; object < objects.size(); ++object) {
       const PictureReach reach = reach_of(frame, rest, widest, objects[object], base.size() == 1 ? base[0] : base[t]);
       if (t == 0) at_rest[object] = reach;

@@ -2,6 +2,7 @@
 #ifndef PHYSMAS_SPLAT_FITTED_CAMERA_H
 #define PHYSMAS_SPLAT_FITTED_CAMERA_H
 
+#include <functional>
 #include <vector>
 
 #include "records/cameras.h"
@@ -23,11 +24,12 @@ constexpr float kFaintOpacity = 0.05;  // Gaussians below it do not count
 // whose cameras already move.
 std::vector<Camera> base_cameras(const Scene& scene, const Gaussians& gaussians);
 
-// Adds the first `frames` frames of a rollout to what `fitted` has reached so far. Per frame, object and edge the
-// outermost kMayLeave of the Gaussians do not count, so that a few grains do not move the camera; neither does what is
-// already beyond the edge in the rest frame, as far as it is.
-void add_motion(const Gaussians& gaussians, const State& state, const RolloutFrames& rollout, int frames,
-                const std::vector<Camera>& base, FittedCameras& fitted);
+// Adds frames 0..frames - 1, as `frame_at` gives them, to what `fitted` has reached so far. Per frame, object and edge
+// the outermost kMayLeave of the Gaussians do not count, so that a few grains do not move the camera; neither does what
+// is already beyond the edge in the rest frame, as far as it is.
+void add_motion(const Gaussians& gaussians, const State& state, int frames,
+                const std::function<TransportedFrame(int)>& frame_at, const std::vector<Camera>& base,
+                FittedCameras& fitted);
 
 // Sets the cameras, their distance and what is omitted from what was reached: every base camera is moved along its own
 // axes by one offset for all of them and keeps its direction and lens. It moves back just as far as the motion needs,

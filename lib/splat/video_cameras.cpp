@@ -15,7 +15,8 @@ namespace {
 void add_rollout(const Scene& scene, const State& state, const Gaussians& gaussians, const RolloutFrames& rollout,
                  const ExecutionRecord& execution, const std::vector<Camera>& base, FittedCameras& fitted) {
   const int frames = is_complete(rollout, execution, scene) ? rollout.count() : std::min(rollout.count(), 1);
-  add_motion(gaussians, state, rollout, frames, base, fitted);
+  add_motion(
+      gaussians, state, frames, [&](int t) { return rollout.frame(t); }, base, fitted);
   fitted.candidates.push_back(execution.candidate);
 }
 

@@ -5,10 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "mpm/companion.h"
 #include "records/camera.h"
-#include "studies/companion.h"
 
 namespace physmas::studies {
+
+using mpm::Companion;
+using mpm::make_companion;
+using mpm::PointPaths;
+using mpm::run_companion;
 
 // Orders in dx that the estimate rests on. Contact is of first order, because surfaces are known to a cell only; where
 // a stress cone lets material fall apart, the width of what slides is a cell, and half of an order is what is left

@@ -15,12 +15,31 @@ setup() { cd "$BATS_FILE_TMPDIR" || return 1; }
   grep -q 'page     run/preview.html' log
   [ -s run/preview.png ]
   grep -q '"decision": "preview"' run/preview.json
-  [ ! -e run/candidates ]
+  [ ! -e run/rollouts ]
   [ "$(grep -o '<script' run/preview.html | wc -l)" -eq 2 ]
   refute grep -q '<script>alert' run/preview.html
   refute grep -qE '(src|href)="?(http|//)' run/preview.html
   # Axes, floor, box, up and front in each of four views.
   for kind in ax ay az floor box up front; do [ "$(grep -o "class=\"$kind\"" run/preview.html | wc -l)" -ge 4 ]; done
+}
+
+@test "preview: the coarse motion of the first candidate that moves, in the page, as a film and in the picture" {
+  grep -q '<video controls loop muted' run/preview.html
+  grep -q 'The candidate [a-z ]* on 12 cells along each edge in place of 24' run/preview.html
+  [ "$(head -c 12 run/preview.mp4 | tail -c 8)" = ftypisom ]
+  [ "$(grep -o '"path": "preview.mp4"' run/preview.json | wc -l)" -eq 1 ]
+  "$bin/pm-report" preview --run run --out one.html --threads 1
+  cmp one.html run/preview.html
+  # Nothing that could move: said, and no film of an earlier one.
+  cp -r run still
+  rm -r still/candidates
+  "$bin/pm-report" preview --run still
+  [ ! -e still/preview.mp4 ]
+  # In the picture: two rows of views, and one of the motion.
+  height() { printf '%d' "0x$(od -An -tx1 -j20 -N4 "$1" | tr -d ' ')"; }
+  [ "$(($(height run/preview.png) * 3))" -gt "$(($(height still/preview.png) * 4))" ]
+  grep -q 'there is no candidate yet' still/preview.html
+  grep -q '"what": "coarse motion"' still/preview.json
 }
 
 @test "preview: a second call does nothing, another prompt writes the page again, and a run goes on from it" {
@@ -34,7 +53,7 @@ setup() { cd "$BATS_FILE_TMPDIR" || return 1; }
   grep -q preview out
   grep -q 'class="act' again/preview.html
   run_make run GAUSSIANS=bundle/gaussians.ply UP=z SPEC=spec.json RUN=again PROMPT='someone pushes it to the left' >out 2>/dev/null
-  refute grep -qE '^  (ground|lift|material) ' out
+  refute grep -qE '^  (ground|lift|material|candidates) ' out
   grep -q '^Accepted' out
 }
 

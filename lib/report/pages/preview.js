@@ -20,6 +20,9 @@ for (const button of document.querySelectorAll(".switch button")) {
   });
 }
 
+// The coarse motion plays by itself, unless someone asked for stillness.
+if (!matchMedia("(prefers-reduced-motion: reduce)").matches) document.querySelector(".motion video")?.play().catch(() => {});
+
 // Parts: those of the inventory but its residual rows, and new ones. marks: outlines by view, in fractions of the picture.
 const objects = data.inventory.objects;
 const parts = data.inventory.rows.filter(row => !row.residual).map(row => ({row, object: row.object, name: row.name, label: row.expected_labels?.[0] ?? "", marks: {}}));

@@ -50,7 +50,9 @@ struct Motion {
   FittedCameras fit(int frames = 3) {
     const std::vector<Camera> base = base_cameras(scene, gaussians);
     FittedCameras fitted;
-    add_motion(gaussians, state, RolloutFrames(folder / "r.h5", state), frames, base, fitted);
+    const RolloutFrames rollout(folder / "r.h5", state);
+    add_motion(
+        gaussians, state, frames, [&](int t) { return rollout.frame(t); }, base, fitted);
     place_cameras(gaussians, base, fitted);
     return fitted;
   }
@@ -137,7 +139,9 @@ TEST_CASE("fit: motion adds up over candidates and rounds, and never brings the 
   const std::vector<Camera> base = base_cameras(right.scene, right.gaussians);
   FittedCameras fitted = right.fit();
   const Camera alone = fitted.cameras[0];
-  add_motion(still.gaussians, still.state, RolloutFrames(still.folder / "r.h5", still.state), 3, base, fitted);
+  const RolloutFrames rollout(still.folder / "r.h5", still.state);
+  add_motion(
+      still.gaussians, still.state, 3, [&](int t) { return rollout.frame(t); }, base, fitted);
   place_cameras(right.gaussians, base, fitted);
   CHECK(same(fitted.cameras[0], alone));
   // As a record between the rounds.

@@ -1,24 +1,22 @@
-#include "studies/companion.h"
+#include "mpm/companion.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
 
-namespace physmas::studies {
+namespace physmas::mpm {
 
-using mpm::Vec3d;
-
-Companion make_companion(const mpm::Problem& problem, int factor) {
+Companion make_companion(const Problem& problem, int factor) {
   Companion companion;
   companion.problem = problem;
-  mpm::Domain& domain = companion.problem.domain;
+  Domain& domain = companion.problem.domain;
   domain.n = std::max(8, domain.n / factor);
   // Walls stay where they are, as far as whole cells allow.
   domain.wall_cells = std::max(2, (problem.domain.wall_cells + factor - 1) / factor);
 
-  const mpm::Particles& fine = problem.particles;
-  mpm::Particles& coarse = companion.problem.particles;
+  const Particles& fine = problem.particles;
+  Particles& coarse = companion.problem.particles;
   coarse = {};
   double volume = 0;
   for (const double v : fine.volume) volume += v;
@@ -57,15 +55,15 @@ Companion make_companion(const mpm::Problem& problem, int factor) {
   return companion;
 }
 
-PointPaths run_companion(const Companion& companion, const mpm::Particles& rest, size_t points,
-                         const mpm::Timing& timing, const Device& device, mpm::Result* result) {
-  mpm::Options options;
+PointPaths run_companion(const Companion& companion, const Particles& rest, size_t points, const Timing& timing,
+                         const Device& device, Result* result) {
+  Options options;
   options.device = device;
   options.track_total_F = true;
   options.measure_energy = false;
   PointPaths paths;
   const std::vector<Vec3d>& origin = companion.problem.particles.position;
-  mpm::Result done = mpm::run(companion.problem, timing, options, [&](const mpm::Frame& frame) {
+  Result done = run(companion.problem, timing, options, [&](const Frame& frame) {
     std::vector<Vec3d> x(points);
     for (size_t i = 0; i < points; ++i) {
       const int q = companion.group[i];
@@ -77,4 +75,4 @@ PointPaths run_companion(const Companion& companion, const mpm::Particles& rest,
   return paths;
 }
 
-}  // namespace physmas::studies
+}  // namespace physmas::mpm
