@@ -8,6 +8,7 @@
 #              MATERIALS, OPACITY, CROP, READ, DROP, AZIMUTH and ELEVATION of the output camera                    -> pm-scene import
 #   SCENE      a scene.json                                 -> used where it lies
 # PROMPT   what shall happen, instead of what the scene says
+# PLAN     a plan whose actions are taken in place of those that the prompt gives (marked-plan.json)      -> pm-ground --plan
 # MATERIAL what parts are made of: MATERIAL="head=Rubber body=Wood" or MATERIAL=Rubber                   -> pm-ground --material
 # SPEC     a run specification: below what is imported, above an example's or a bundle's own
 # SET      run settings that win over the scene's: SET="screening.tau=0.6 time.frames=20"
@@ -62,7 +63,7 @@ FORCE:
 
 SETTINGS := $(SET) $(CAMERA:%=render.camera=%) $(DEFAULTS:%=default %)
 # Time limits and headers say how a server is reached, not what it is asked: another value does not ask again.
-GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL $(call given,BODY)) $(if $(PERCEPTION),$(call given,TENSORS)) $(call given,MATERIAL),$(v)=$(value $(v))$(newline))
+GROUND_MODELS := $(foreach v,SCENE_AGENT PERCEPTION $(if $(SCENE_AGENT),MODEL $(call given,BODY)) $(if $(PERCEPTION),$(call given,TENSORS)) $(call given,MATERIAL PLAN),$(v)=$(value $(v))$(newline))
 MODELS := $(foreach v,AGENT MODEL PREDICTOR AUTHORED $(if $(AGENT),$(call given,BODY)) $(if $(PREDICTOR),$(call given,TENSORS)),$(v)=$(value $(v))$(newline))
 include $(PIPELINES)inputs.mk
 $(eval $(call remember,$(RUN)/settings,$(SETTINGS)))
@@ -98,14 +99,14 @@ server_options = $(call option,--timeout=,TIMEOUT) $(call option,--budget=,BUDGE
 
 GROUNDED := $(RUN)/inventory.json $(RUN)/plan.json $(RUN)/masks.h5
 $(STAMPS)/ground: $(RUN)/spec/ground.json $(RUN)/ground-models $(REPLAYED_SCENE_AGENT) $(REPLAYED_PERCEPTION) \
-                  $(if $(SCENE_AGENT),$(in_make_BODY)) \
+                  $(if $(SCENE_AGENT),$(in_make_BODY)) $(in_make_PLAN) \
                   $(call missing,$(GROUNDED)) $(call promised,ground) | $(call built,pm-ground)
 	$(call stage,ground,$(RUN)/inventory.json)
-	@$(if $(and $(SCENE_AGENT),$(BODY)),,$(call or_base,spec/ground.json ground-models,inventory.json plan.json masks.h5)) \
+	@$(if $(or $(PLAN),$(and $(SCENE_AGENT),$(BODY))),,$(call or_base,spec/ground.json ground-models,inventory.json plan.json masks.h5)) \
 	$(call job,$(@F),$(threads),$(job_inputs),$(GROUNDED),$@.log) \
 	$(BIN)/pm-ground --scene $< --out $(RUN) $(call option,--agent=,SCENE_AGENT) $(if $(SCENE_AGENT),$(call option,--model=,MODEL)) \
 	  $(call option,--perception=,PERCEPTION) $(if $(call given,SCENE_AGENT PERCEPTION),$(call server_options,SCENE_AGENT)) \
-	  $(call option,--material=,MATERIAL) --threads $(threads)
+	  $(call option,--plan=,PLAN) $(call option,--material=,MATERIAL) --threads $(threads)
 	$(call finish,$(if $(call given,SCENE_AGENT PERCEPTION),$(RUN)/exchanges/{ground,detector,segmenter}_*.json $(RUN)/exchanges/*.{png,bin}))
 $(GROUNDED): $(STAMPS)/ground ;
 

@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "masks/perception.h"
 #include "plan/action_proposal.h"
+#include "plan/authored_plan.h"
 #include "plan/chat_agent.h"
 #include "plan/one_part.h"
 #include "plan/scene_geometry.h"
@@ -33,7 +34,7 @@ namespace {
 
 struct Options {
   std::string scene, out, model, agent = "builtin", perception = "builtin";
-  std::string material;
+  std::string material, plan;
   std::string detector = "grounding-dino", segmenter = "sam2";
   remote::RemoteOptions remote;
 };
@@ -136,8 +137,9 @@ int ground_scene(Options options) {
   }
   masks::Perception perception = masks::perceive(scene, inventory, pictures, source);
   const plan::SceneGeometry geometry = plan::measure_scene(scene, inventory, perception.views);
-  Plan plan = agent ? plan::compile_proposal(proposal, scene.prompt, inventory, geometry, scene.run)
-                    : plan::plan_from_prompt(scene.prompt, inventory, geometry, scene.run, scene.file);
+  Plan plan = !options.plan.empty() ? plan::authored_plan(options.plan, scene.prompt, inventory)
+              : agent               ? plan::compile_proposal(proposal, scene.prompt, inventory, geometry, scene.run)
+                                    : plan::plan_from_prompt(scene.prompt, inventory, geometry, scene.run, scene.file);
   for (const PlanMaterial& material : plan::stated_materials(options.material, inventory))
     plan.materials.push_back(material);
   plan::expect_materials(plan.materials, inventory);
@@ -151,6 +153,7 @@ int ground_scene(Options options) {
                                                                 : "builtin"}};
   provenance.add_input(options.scene);
   if (!scene.inventory.empty()) provenance.add_input(scene.inventory);
+  if (!options.plan.empty()) provenance.add_input(options.plan);
   for (const std::string& file : perception.files) provenance.add_input(file);
   const std::filesystem::path out = options.out;
   const std::vector<Omission> rejected = agent ? agent->rejected() : std::vector<Omission>();
@@ -190,7 +193,8 @@ int main(int argc, char** argv) {
       "Example: pm-ground --scene bundle/scene.json --out runs/cake\n"
       "         pm-ground --scene bundle/scene.json --out runs/cake --agent http://localhost:8000/v1 --model qwen3-vl\n"
       "         pm-ground check http://localhost:8000/v1 --model qwen3-vl\n"
-      "Reads scene.json (or its slice), the views, an authored inventory and masks; writes inventory.json, plan.json "
+      "Reads scene.json (or its slice), the views, an authored inventory, plan and masks; writes inventory.json, "
+      "plan.json "
       "and masks.h5 into --out and, with a model server, exchanges/NAME.json (physmas/exchange).\n"
       "The key for a model server is read from the environment variable PM_API_KEY and written nowhere.";
   tool.options = [&](Command app) {
@@ -204,6 +208,9 @@ int main(int argc, char** argv) {
     app.add_option("--material", options.material,
                    "What parts are made of: PART=LABEL ..., or LABEL for all; it becomes the expected label")
         .type_name("TEXT");
+    app.add_option("--plan", options.plan,
+                   "A plan (physmas/plan) whose actions are taken in place of those that the prompt gives")
+        .type_name("FILE");
     app.add_option("--model", options.model, "Name of the chat model on that server").type_name("NAME");
     app.add_option("--perception", options.perception,
                    "builtin (the bundle's masks, else by appearance hints), masks:DIR (VIEW/OBJECT.png, "

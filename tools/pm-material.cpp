@@ -43,17 +43,23 @@ std::optional<MaterialRecords> observe(const Options& options, const Scene& scen
   const auto keep_exchanges = [&](const remote::Backend& backend) {
     evidence.exchanges.insert(evidence.exchanges.end(), backend.exchanges().begin(), backend.exchanges().end());
   };
-  if (options.authored.empty() && !scene.materials.empty()) {
+  std::optional<MaterialRecords> authored;
+  if (!options.authored.empty()) authored = load_material_records(options.authored, inventory);
+  // What is only stated leaves the observations as they are.
+  if (!(authored && authored->has_observations()) && !scene.materials.empty()) {
     MaterialRecords came = load_material_records(scene.materials, inventory);
     share_with_only_row(came, inventory);
     provenance.add_input(scene.materials);
     take(came);
     log_note("materials as the imported configuration says; --authored FILE (AUTHORED=) replaces them");
   }
-  for (const std::string& file : {options.authored, predictor == BackendKind::file ? options.predictor : ""}) {
-    if (file.empty()) continue;
-    provenance.add_input(file);
-    take(load_material_records(file, inventory));
+  if (authored) {
+    provenance.add_input(options.authored);
+    take(*authored);
+  }
+  if (predictor == BackendKind::file) {
+    provenance.add_input(options.predictor);
+    take(load_material_records(options.predictor, inventory));
   }
   if (agent == BackendKind::builtin && (predictor == BackendKind::builtin || predictor == BackendKind::file))
     return records;
@@ -169,8 +175,9 @@ int main(int argc, char** argv) {
                    "(http://host/v2/models/NAME), replay:DIR, or a file of records (physmas/material_records)")
         .capture_default_str()
         .type_name("none|URL|replay:DIR|FILE");
-    app.add_option("--authored", options.authored,
-                   "Authored crops and answers, ahead of the predictor's and the agent's")
+    app.add_option(
+           "--authored", options.authored,
+           "Authored crops and answers, ahead of the predictor's and the agent's, and what rows are stated to be")
         .type_name("FILE");
     remote::add_remote_options(app, options.remote);
     remote::add_chat_options(app, options.remote);

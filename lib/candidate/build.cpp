@@ -62,6 +62,7 @@ Round build_initial(const Context& context, const std::string& plan_file) {
     std::string why;
     std::optional<Configuration> configuration = transform(context, name, why);
     if (configuration) {
+      keep_stated(context, *configuration);
       take_out_controls(context, *configuration);
       why = against_study(context, *configuration);
     }
@@ -109,6 +110,7 @@ Round build_repairs(const Context& context, const ScreenRecord& screen, const st
       continue;
     }
     Configuration configuration = repair(context, name, *base);
+    keep_stated(context, configuration);
     take_out_controls(context, configuration);
     const std::string why = against_study(context, configuration);
     if (!why.empty()) {

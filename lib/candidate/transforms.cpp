@@ -264,6 +264,19 @@ CandidateRow stiff_support(CandidateRow row) {
   return row;
 }
 
+void keep_stated(const Context& context, Configuration& configuration) {
+  for (CandidateRow& row : configuration.rows) {
+    const StatedMaterial& stated = context.evidence.rows[row.row].stated;
+    if (stated.label) {
+      row.label = *stated.label;
+      row.branch = kLabels[*stated.label].branch;
+    }
+    row.E = stated.E.value_or(row.E);
+    row.nu = stated.nu.value_or(row.nu);
+    row.rho = stated.rho.value_or(row.rho);
+  }
+}
+
 bool operator==(const Configuration& a, const Configuration& b) {
   const auto same_row = [](const CandidateRow& x, const CandidateRow& y) {
     return x.key == y.key && x.branch == y.branch && x.E == y.E && x.nu == y.nu && x.rho == y.rho && x.label == y.label;

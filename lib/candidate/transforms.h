@@ -32,6 +32,9 @@ std::optional<Configuration> transform(const Context& context, const std::string
 CandidateRow stiff_support(CandidateRow row);
 constexpr double kSupportE = 1e7;  // Pa
 
+// What the user stated of rows (EvidenceRow::stated) stands in place of what a transform or a repair made of it.
+void keep_stated(const Context& context, Configuration& configuration);
+
 // Rows and controls of a repair of `base`. Fields that the repair does not name keep the base's values.
 Configuration repair(const Context& context, const std::string& name, const Candidate& base);
 

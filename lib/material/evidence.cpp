@@ -42,8 +42,21 @@ EvidenceRow row_evidence(const InventoryRow& row, const RowObservations& observa
   std::vector<std::string> unknown;
   evidence.expected_labels = canonical_labels(row.expected_labels, unknown);
   accumulate_scores(evidence, row, observations, whole_label);
+  evidence.stated = observations.stated;
+  if (evidence.stated.label) {
+    // What is stated is known: there is no second label.
+    evidence.scores = {{*evidence.stated.label, 1.0}};
+    evidence.fallback = false;
+  }
   normalise_scores(evidence);
   apply_guards(evidence, row, valid_vlm_records(observations.vlm));
+  if (evidence.stated.label) {
+    const int before = evidence.label;
+    evidence.label = *evidence.stated.label;
+    evidence.confidence = 1;
+    evidence.guards.push_back(
+        {"stated", before != evidence.label, evidence.label, {{"label_before", kLabels[before].name}}});
+  }
   pool_statistics(evidence, observations.crops);
   return evidence;
 }
@@ -72,6 +85,8 @@ void reason_about_materials(Evidence& evidence, const Inventory& inventory, cons
     if (records && row.residual && !(observations.crops.empty() && observations.vlm.empty())) {
       evidence.omitted.push_back({"observations of " + row.key(), "a residual row takes no evidence"});
     }
+    if (records && row.residual && !observations.stated.empty())
+      evidence.omitted.push_back({"what is stated of " + row.key(), "a residual row is nobody's to describe"});
     evidence.rows.push_back(
         row_evidence(row, observations, gaussians[r], mask_confidence[r], evidence.whole_object.label));
   }

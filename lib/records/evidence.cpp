@@ -55,6 +55,7 @@ EvidenceRow row_from(const Json& json, const std::string& file, const std::strin
   row.residual = json.at("residual").get<bool>();
   row.gaussians = json.at("gaussians").get<long>();
   if (json.contains("observations")) row.observations = json.at("observations");
+  row.stated = stated_from(json);
   for (const Json& label : json.value("expected_labels", Json::array()))
     row.expected_labels.push_back(label_from(label));
   for (const auto& [source, scores] : json.at("sources").items()) {
@@ -112,6 +113,7 @@ Json row_json(const EvidenceRow& row) {
   json["residual"] = row.residual;
   json["gaussians"] = row.gaussians;
   if (!row.observations.is_null()) json["observations"] = row.observations;
+  if (!row.stated.empty()) json["stated"] = to_json(row.stated);
   json["expected_labels"] = Json::array();
   for (int label : row.expected_labels) json["expected_labels"].push_back(kLabels[label].name);
   json["sources"] = Json::object();
@@ -167,6 +169,29 @@ Json row_json(const EvidenceRow& row) {
 Json scores_json(const LabelScores& scores) {
   Json json = Json::object();
   for (const auto& [label, score] : scores) json[kLabels[label].name] = score;
+  return json;
+}
+
+StatedMaterial stated_from(const Json& row) {
+  StatedMaterial stated;
+  if (!row.contains("stated")) return stated;
+  const Json& json = row.at("stated");
+  const auto number = [&](const char* key) {
+    return json.contains(key) ? std::optional<double>(json.at(key).get<double>()) : std::nullopt;
+  };
+  if (json.contains("label")) stated.label = label_from(json.at("label"));
+  stated.E = number("E");
+  stated.nu = number("nu");
+  stated.rho = number("rho");
+  return stated;
+}
+
+Json to_json(const StatedMaterial& stated) {
+  Json json = Json::object();
+  if (stated.label) json["label"] = kLabels[*stated.label].name;
+  if (stated.E) json["E"] = *stated.E;
+  if (stated.nu) json["nu"] = *stated.nu;
+  if (stated.rho) json["rho"] = *stated.rho;
   return json;
 }
 

@@ -17,9 +17,20 @@ using LabelScores = std::vector<std::pair<int, double>>;
 // {label: score}, same order.
 Json scores_json(const LabelScores& scores);
 
+// What the user says that a row is; empty: not said. As it stands, whatever the ranges of labels.
+struct StatedMaterial {
+  std::optional<int> label;   // index into kLabels
+  std::optional<double> E;    // Pa of solver space
+  std::optional<double> nu;   // 0 <= nu < 0.5
+  std::optional<double> rho;  // kg/m^3
+  bool empty() const { return !label && !E && !nu && !rho; }
+};
+StatedMaterial stated_from(const Json& row);
+Json to_json(const StatedMaterial& stated);
+
 struct EvidenceRow {
   struct Guard {
-    std::string name;  // expected | multi-view | elastic-solid
+    std::string name;  // expected | multi-view | elastic-solid | stated
     bool applied = false;
     int label = 0;                   // the label after this guard
     Json measured = Json::object();  // every value that the guard compared
@@ -37,8 +48,9 @@ struct EvidenceRow {
   std::string key;
   bool residual = false;
   long gaussians = 0;
-  Json observations;                 // material_records form: crops, vlm; null when there are none
-  std::vector<int> expected_labels;  // canonical, deduplicated, in order
+  Json observations;  // material_records form: crops, vlm; null when there are none
+  StatedMaterial stated;
+  std::vector<int> expected_labels;                          // canonical, deduplicated, in order
   std::vector<std::pair<std::string, LabelScores>> sources;  // schema, crop, vlm, role, whole
   LabelScores role_lookup;                                   // R_r
   LabelScores scores;                                        // s_r

@@ -1,5 +1,6 @@
 #include "records/material_records.h"
 
+#include <algorithm>
 #include <set>
 
 #include "records/json.h"
@@ -59,6 +60,11 @@ std::vector<VlmRecord> vlm_from(const Json& json, const std::string& file, const
 
 }  // namespace
 
+bool MaterialRecords::has_observations() const {
+  return whole_object || std::any_of(rows.begin(), rows.end(),
+                                     [](const RowObservations& row) { return !row.crops.empty() || !row.vlm.empty(); });
+}
+
 MaterialRecords load_material_records(const std::string& path, const Inventory& inventory) {
   const Json document = load_record(path, "material_records");
   MaterialRecords records;
@@ -70,7 +76,7 @@ MaterialRecords load_material_records(const std::string& path, const Inventory& 
     const int row = inventory.find_row(json.at("key").get<std::string>());
     if (row < 0) throw invalid_field(path, pointer + "/key", json.at("key"), "the key of a row of the inventory");
     if (!seen.insert(row).second) throw invalid_field(path, pointer + "/key", json.at("key"), "each row once");
-    records.rows[row] = {crops_from(json, path, pointer), vlm_from(json, path, pointer)};
+    records.rows[row] = {crops_from(json, path, pointer), vlm_from(json, path, pointer), stated_from(json)};
   }
   if (document.contains("whole_object")) {
     const Json& json = document.at("whole_object");
@@ -131,6 +137,7 @@ void append_records(MaterialRecords& records, const MaterialRecords& more) {
     RowObservations& row = records.rows[r];
     row.crops.insert(row.crops.end(), more.rows[r].crops.begin(), more.rows[r].crops.end());
     row.vlm.insert(row.vlm.end(), more.rows[r].vlm.begin(), more.rows[r].vlm.end());
+    if (row.stated.empty()) row.stated = more.rows[r].stated;
   }
   if (!records.whole_object) records.whole_object = more.whole_object;
 }

@@ -33,6 +33,7 @@ struct VlmRecord {
 struct RowObservations {
   std::vector<CropRecord> crops;
   std::vector<VlmRecord> vlm;
+  StatedMaterial stated;
 };
 
 struct WholeObjectObservations {
@@ -43,6 +44,8 @@ struct WholeObjectObservations {
 struct MaterialRecords {
   std::vector<RowObservations> rows;  // [inventory.rows]
   std::optional<WholeObjectObservations> whole_object;
+  // Whether anything was observed, beside what is stated.
+  bool has_observations() const;
 };
 
 // Labels are read without case; an unknown label, a label twice, an unknown row key or a row twice is an Error (exit
@@ -57,7 +60,8 @@ void share_with_only_row(MaterialRecords& records, const Inventory& inventory);
 Json to_json(const std::vector<CropRecord>& crops);
 Json to_json(const std::vector<VlmRecord>& answers);
 
-// Appends what `more` has to `records`, row by row; a whole-object record is taken where there was none.
+// Appends what `more` has to `records`, row by row; a whole-object record, and what is stated of a row, are taken where
+// there was none.
 void append_records(MaterialRecords& records, const MaterialRecords& more);
 
 }  // namespace physmas

@@ -108,13 +108,13 @@ class Preview {
     Page page;
     page.title = run_.scene->name + ": preview";
     page.styles = {"page.css", "report.css", "preview.css"};
-    page.scripts = {"preview.js"};
+    page.scripts = {"preview.js", "preview-edit.js"};
     // One after the other: each adds its pictures to the sheet.
     page.body = header() + "<main>\n";
     page.body += view_section();
     page.body += plan_section();
     page.body += motion_section();
-    page.body += mark_section() + parts_section(run_, nullptr) + "</main>\n" + data();
+    page.body += mark_section() + material_section() + parts_section(run_, nullptr) + "</main>\n" + data();
     write_file(options_.out, page_text(page));
     const std::string picture = fs::path(options_.out).replace_extension(".png").string();
     save_png(picture, contact_sheet(pictures_, captions_, 4, 320));
@@ -261,6 +261,10 @@ class Preview {
     std::string notes;
     for (const std::string& correction : run_.plan->corrections) notes += "<li>" + escaped(correction) + "</li>";
     if (!notes.empty()) html += "<h3>Assumed, or not understood</h3><ul>" + notes + "</ul>\n";
+    if (!run_.plan->actions.empty())
+      html +=
+          "<details class=\"edit\"><summary>Change direction, strength and time</summary>\n<div "
+          "id=\"action-editor\" class=\"editor\"></div></details>\n";
     return "<section id=\"plan\"><h2>What will happen</h2>\n" + html + "</section>\n";
   }
 
@@ -304,22 +308,67 @@ class Preview {
     return "<section id=\"mark\"><h2>Say which part is which</h2>\n<p>Choose a part or name a new one, then click "
            "around it in each view, or draw around it. A click on the first point, Enter or a double click closes the "
            "outline; "
-           "Backspace takes the last point away.</p>\n<div id=\"editor\"></div>\n<noscript><p>Marking needs "
+           "Backspace takes the last point away.</p>\n<div id=\"editor\" class=\"editor\"></div>\n<noscript><p>Marking "
+           "needs "
            "JavaScript.</p></noscript></section>\n";
   }
 
-  // The inventory as a person would author it, and the labels that there are.
+  static std::string material_section() {
+    return "<section id=\"materials\"><h2>Say what the parts are made of</h2>\n<p>What is stated here holds in every "
+           "candidate. An empty field stays as it is assumed, or as the label has it.</p>\n<div "
+           "id=\"material-editor\" class=\"editor\"></div></section>\n";
+  }
+
+  // What each part is assumed to be: as the first candidate has it, else as the evidence says.
+  Json assumed_materials() const {
+    Json materials = Json::object();
+    if (!run_.evidence) return materials;
+    for (size_t r = 0; r < run_.inventory->rows.size(); ++r) {
+      const EvidenceRow& row = run_.evidence->rows.at(r);
+      const LabelPrior& label = kLabels[static_cast<size_t>(row.label)];
+      materials[row.key] = {
+          {"label", label.name}, {"E", std::pow(10, row.log10_E)}, {"nu", row.nu}, {"rho", label.rho}};
+    }
+    for (const RunRecords::Attempt& attempt : run_.attempts) {
+      if (attempt.candidate.order != 0) continue;
+      for (const CandidateRow& row : attempt.candidate.rows)
+        materials[row.key] = {
+            {"label", kLabels[static_cast<size_t>(row.label)].name}, {"E", row.E}, {"nu", row.nu}, {"rho", row.rho}};
+    }
+    return materials;
+  }
+
+  // Inventory and plan as a person would author them, what is assumed, and the labels that there are.
   std::string data() const {
     Json inventory = load_record(run_.path("inventory.json"), "inventory");
     for (const char* own : {"provenance", "exchanges", "omitted"}) inventory.erase(own);
-    Json labels = Json::array(), colors = Json::array();
-    for (const LabelPrior& label : kLabels) labels.push_back(label.name);
+    Json plan = load_record(run_.path("plan.json"), "plan");
+    for (const char* own : {"provenance", "omitted"}) plan.erase(own);
+    Json labels = Json::array(), colors = Json::array(), actions = Json::array();
+    for (const LabelPrior& label : kLabels)
+      labels.push_back(
+          {{"name", label.name}, {"E", label.E_default()}, {"nu", label.nu_default()}, {"rho", label.rho}});
     for (size_t r = 0; r < 9; ++r) {
       const std::array<float, 3> c = splat::row_color(static_cast<int32_t>(r), false);
       colors.push_back({c[0], c[1], c[2]});
     }
+    for (const PlanAction& action : run_.plan->actions) {
+      const ActionLine& line = action_line(action.type);
+      std::string words = action_name(action.type);
+      std::replace(words.begin(), words.end(), '_', ' ');
+      actions.push_back({{"words", words + " of " + name_of(*run_.inventory, action.target)},
+                         {"unit", line.unit},
+                         {"most", line.max},
+                         {"has_strength", line.max > 0}});
+    }
     return "<script type=\"application/json\" id=\"data\">" +
-           script_json({{"inventory", inventory}, {"labels", labels}, {"colors", colors}}) + "</script>\n";
+           script_json({{"inventory", inventory},
+                        {"plan", plan},
+                        {"actions", actions},
+                        {"materials", assumed_materials()},
+                        {"labels", labels},
+                        {"colors", colors}}) +
+           "</script>\n";
   }
 
   PreviewOptions options_;

@@ -105,6 +105,14 @@ std::string scores_text(const LabelScores& scores) {
 
 std::string evidence_text(const EvidenceRow& row) {
   std::string text;
+  const StatedMaterial& stated = row.stated;
+  if (!stated.empty()) {
+    text = "stated:";
+    if (stated.label) text += std::string(" ") + kLabels[static_cast<size_t>(*stated.label)].name;
+    if (stated.E) text += " E " + with_prefix(*stated.E, "Pa");
+    if (stated.nu) text += fmt::format(" ν {:.3g}", *stated.nu);
+    if (stated.rho) text += fmt::format(" ρ {:.4g} kg/m³", *stated.rho);
+  }
   for (const auto& [source, scores] : row.sources) {
     const std::string what = scores_text(scores);
     if (!what.empty()) text += (text.empty() ? "" : "; ") + escaped(source) + ": " + what;

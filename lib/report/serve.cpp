@@ -29,6 +29,13 @@ namespace {
 constexpr size_t kMostBytes = size_t{4} << 20;
 constexpr int kPatience = 5;  // seconds
 
+// What a page may send, the schema that it must fit, and the variable of make that takes the file.
+struct Saved {
+  const char *kind, *schema, *variable;
+};
+constexpr std::array<Saved, 3> kSaved = {
+    {{"inventory", "inventory", "INVENTORY"}, {"materials", "material_records", "AUTHORED"}, {"plan", "plan", "PLAN"}}};
+
 class Socket {
  public:
   explicit Socket(int fd) : fd_(fd) {}
@@ -161,19 +168,21 @@ Reply answer(const std::string& request, const std::string& run, const std::stri
     if (!is_file(join_path(run, page))) return {404, "text/plain", "not found\n"};
     return {200, "text/html; charset=utf-8", served_page(read_file(join_path(run, page)))};
   }
-  if (name != "inventory") return {404, "text/plain", "not found\n"};
+  const auto saved = std::find_if(kSaved.begin(), kSaved.end(), [&](const Saved& s) { return name == s.kind; });
+  if (saved == kSaved.end()) return {404, "text/plain", "not found\n"};
   if (method != "POST") return {405, "text/plain", "POST only\n"};
   if (header(head, "origin") != origin || header(head, "content-type") != "application/json")
     return {403, "text/plain", "another origin\n"};
-  const std::string file = join_path(run, "marked-inventory.json");
+  const std::string file = join_path(run, fmt::format("marked-{}.json", saved->kind));
   try {
-    const Json inventory = parse_json(request.substr(head_end + 4), file);
-    validate_record(inventory, "inventory", file);
-    write_file(file, record_text(inventory));
+    const Json record = parse_json(request.substr(head_end + 4), file);
+    validate_record(record, saved->schema, file);
+    write_file(file, record_text(record));
   } catch (const Error& e) {
     return {400, "text/plain; charset=utf-8", std::string(e.what()) + "\n"};
   }
-  return {200, "text/plain; charset=utf-8", "Saved as " + file + ". Give it to make: INVENTORY=" + file + "\n"};
+  return {200, "text/plain; charset=utf-8",
+          fmt::format("Saved as {0}. Give it to make: {1}={0}\n", file, saved->variable)};
 }
 
 void serve(const ServeOptions& options) {

@@ -20,8 +20,9 @@ struct Reply {
 };
 
 // The answer to a request, as it came: head, empty line, body. origin: "http://127.0.0.1:PORT"; token: what the path
-// begins with. Only the pages are given; only an inventory that its schema accepts is written, as marked-inventory.json
-// in the run's folder, and only when asked from the page itself.
+// begins with. Only the pages are given; only an inventory, materials and a plan that their schemas accept are written,
+// as marked-inventory.json, marked-materials.json and marked-plan.json in the run's folder, and only when asked from
+// the page itself.
 Reply answer(const std::string& request, const std::string& run, const std::string& origin, const std::string& token);
 
 // Listens on 127.0.0.1 alone, and says at which address, which holds a token of 128 random bits. One request at a time;

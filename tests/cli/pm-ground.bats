@@ -158,3 +158,20 @@ nothing_written() { [ ! -e "$out" ] || [ -z "$(find "$out" -type f)" ]; }
   [[ "$errors" == *"not understood"*"frobnicate"* ]]
   grep -q '"not understood.*frobnicate' "$out/plan.json"
 }
+
+@test "pm-ground takes a given plan in place of what the prompt says, and refuses one that is none" {
+  ground
+  sed 's/"magnitude": .*,/"magnitude": 0.123,/' "$out/plan.json" >"$BATS_TEST_TMPDIR/mine.json"
+  ground --plan "$BATS_TEST_TMPDIR/mine.json"
+  [ "$status" -eq 0 ]
+  [[ "$errors" == *"the actions are those of a plan that was given"* ]]
+  grep -q '"magnitude": 0.123' "$out/plan.json"
+  grep -q 'mine.json' "$out/plan.json"
+  rm -r "$out"
+  sed -i 's/"top_press"\|"translation"\|"impulse"/"fly"/' "$BATS_TEST_TMPDIR/mine.json"
+  ground --plan "$BATS_TEST_TMPDIR/mine.json"
+  expect_error 3 mine.json
+  nothing_written
+  ground --plan missing.json
+  expect_error 3 missing.json
+}

@@ -68,25 +68,47 @@ setup() { cd "$BATS_FILE_TMPDIR" || return 1; }
   [[ "$output" = *"has no variable SCENES"* ]]
 }
 
-@test "preview: a part marked in Chromium is one of the next run's parts" {
+@test "preview: what was marked, stated and changed in Chromium is in the next run's records" {
   python3 "$root/tests/tools/browser.py" || skip "no Chromium: apt-get install chromium"
-  SCREENSHOTS=${SCREENSHOTS:-} python3 "$root/tests/tools/preview_page.py" run/preview.html marked
-  run_make preview GAUSSIANS=bundle/gaussians.ply PROMPT='it falls' UP=z SPEC=spec.json INVENTORY=marked/marked-inventory.json RUN=parts >out 2>&1
+  pushed=(GAUSSIANS=bundle/gaussians.ply PROMPT='someone pushes it to the left' UP=z SPEC=spec.json)
+  run_make preview "${pushed[@]}" RUN=pushed >out 2>&1
+  SCREENSHOTS=${SCREENSHOTS:-} python3 "$root/tests/tools/preview_page.py" pushed/preview.html marked
+  pushed+=(INVENTORY=marked/marked-inventory.json AUTHORED=marked/marked-materials.json PLAN=marked/marked-plan.json)
+  run_make run "${pushed[@]}" RUN=parts >out 2>&1 || cat out
   python3 - <<'P'
-import json
+import glob, json
 rows = json.load(open("parts/inventory.json"))["rows"]
 assert [r["part"] for r in rows if r["name"] == "the <b>head</b>"] == ["the-b-head-b"], rows
-labels = {r["key"]: (r["gaussians"], r["label"]) for r in json.load(open("parts/evidence.json"))["rows"]}
-print(labels)
-marked = next(v for k, v in labels.items() if k.endswith("/the-b-head-b"))
-assert marked[0] > 20 and marked[1] == "Rubber", labels
+evidence = {r["key"]: r for r in json.load(open("parts/evidence.json"))["rows"]}
+marked = next(r for k, r in evidence.items() if k.endswith("/the-b-head-b"))
+assert marked["gaussians"] > 20 and marked["label"] == "Rubber", marked
+key, stated = next((k, r) for k, r in evidence.items() if "stated" in r)
+assert stated["stated"] == {"label": "Foam", "E": 45000, "nu": 0.31, "rho": 321} and stated["label"] == "Foam", stated
+candidates = [json.load(open(f)) for f in glob.glob("parts/candidates/*.json") if "round" not in f]
+assert candidates
+for c in candidates:
+    row = next(r for r in c["rows"] if r["key"] == key)
+    assert (row["label"], row["branch"], row["E"], row["nu"], row["rho"]) == ("Foam", "Foam", 45000, 0.31, 321), row
+    move = [o for o in c["schedule"] if "velocity" in o]
+    assert [round(v, 9) for v in move[0]["velocity"]] == [0.126, 0, 0.168], move
+plan = json.load(open("parts/plan.json"))
+assert plan["actions"][0]["magnitude"] == 0.21 and plan["proposal"] == {"agent": "authored"}, plan
+names = {i["path"].rsplit("/", 1)[-1] for f in ("plan", "evidence") for i in json.load(open(f"parts/{f}.json"))["provenance"]["inputs"]}
+assert {"marked-plan.json", "marked-materials.json"} <= names, names
 P
+  grep -q 'stated: Foam E 45 kPa ν 0.31 ρ 321' parts/report.html
+  grep -q 'PLAN=marked/marked-plan.json' parts/report.html
+  # Another strength makes the run again from the plan on.
+  sed -i 's/"magnitude": 0.21/"magnitude": 0.1/' marked/marked-plan.json
+  run_make run "${pushed[@]}" RUN=parts >out 2>/dev/null || true
+  grep -q '^  ground ' out
+  grep -q '"magnitude": 0.1' parts/plan.json
 }
 
 @test "preview: pm-report serve writes what is marked into the run, for the page that it gave and nobody else" {
   fails_with 3 "$bin/pm-report" serve --run nowhere -- preview.html
   rm -f run/marked-inventory.json
-  "$bin/pm-report" serve --run run --requests 5 >address &
+  "$bin/pm-report" serve --run run --requests 8 >address &
   server=$!
   for _ in $(seq 100); do [ -s address ] && break; sleep 0.1; done
   url=$(cat address)
@@ -109,18 +131,27 @@ assert ask(url) == 200
 assert ask(url + "inventory", body, {**kind, "Origin": "http://evil.example"}) == 403
 assert ask(url + "inventory", b"{}", {**kind, "Origin": origin}) == 400
 assert ask(url + "inventory", body, {**kind, "Origin": origin}) == 200
+materials = {"schema": "physmas/material_records/1", "rows": [{"key": "a/b", "stated": {"E": 1e5}}]}
+assert ask(url + "materials", json.dumps(materials).encode(), {**kind, "Origin": origin}) == 200
+materials["rows"][0]["stated"]["nu"] = 0.5
+assert ask(url + "materials", json.dumps(materials).encode(), {**kind, "Origin": origin}) == 400
+assert ask(url + "anything", body, {**kind, "Origin": origin}) == 404
 P
   wait $server
   grep -q physmas/inventory/1 run/marked-inventory.json
+  grep -q '"E": 100000.0' run/marked-materials.json
 }
 
 @test "preview: the served page in Chromium saves into the run's folder" {
   python3 "$root/tests/tools/browser.py" || skip "no Chromium: apt-get install chromium"
-  rm -f run/marked-inventory.json
-  "$bin/pm-report" serve --run run --requests 2 >served &
+  run_make preview GAUSSIANS=bundle/gaussians.ply PROMPT='someone pushes it to the left' UP=z SPEC=spec.json RUN=pushed >out 2>&1
+  rm -f pushed/marked-*.json
+  "$bin/pm-report" serve --run pushed --requests 4 >served &
   server=$!
   for _ in $(seq 100); do [ -s served ] && break; sleep 0.1; done
   python3 "$root/tests/tools/preview_page.py" "$(cat served)"
   wait $server
-  [ -s run/marked-inventory.json ]
+  [ -s pushed/marked-inventory.json ]
+  grep -q '"rho": 321' pushed/marked-materials.json
+  grep -q '"magnitude": 0.21' pushed/marked-plan.json
 }

@@ -1,4 +1,5 @@
-// The page of a preview: what the views show, and marking parts. What is saved is an inventory that make reads.
+// The page of a preview: what the views show, and marking parts. What is saved is an inventory that make reads;
+// preview-edit.js has materials and actions.
 const data = JSON.parse(document.getElementById("data").textContent);
 const views = [...document.querySelectorAll(".view")], editor = document.getElementById("editor");
 const $ = (tag, properties = {}, ...children) => {
@@ -25,12 +26,17 @@ if (!matchMedia("(prefers-reduced-motion: reduce)").matches) document.querySelec
 
 // Parts: those of the inventory but its residual rows, and new ones. marks: outlines by view, in fractions of the picture.
 const objects = data.inventory.objects;
-const parts = data.inventory.rows.filter(row => !row.residual).map(row => ({row, object: row.object, name: row.name, label: row.expected_labels?.[0] ?? "", marks: {}}));
+const parts = data.inventory.rows.filter(row => !row.residual).map(row => ({row, object: row.object, name: row.name, label: row.expected_labels?.[0] ?? "", marks: {}, stated: {}}));
 let chosen = -1, open = null;  // open: {view, points} of the outline that is being drawn
 const colour = p => `rgb(${data.colors[p % data.colors.length].map(c => Math.round(255 * c))})`;
-const status = $("p", {className: "quiet"});
-status.setAttribute("role", "status");
+const statusLine = () => {
+  const line = $("p", {className: "quiet"});
+  line.setAttribute("role", "status");
+  return line;
+};
+const status = statusLine();
 const list = $("div");
+const labelOptions = () => data.labels.map(({name}) => $("option", {value: name, textContent: name}));
 const id = name => name.toLowerCase().normalize("NFKD").replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "").slice(0, 60) || "part";
 
 function choose(p) {
@@ -41,6 +47,7 @@ function choose(p) {
   show();
 }
 function show() {
+  showMaterials();
   list.replaceChildren(...parts.map((part, p) => {
     const spot = $("i");
     spot.style.background = colour(p);
@@ -51,10 +58,10 @@ function show() {
     const name = $("input", {value: part.name, maxLength: 200});
     name.setAttribute("aria-label", "Name of part " + (p + 1));
     name.addEventListener("change", () => { part.name = name.value.trim() || part.name; show(); });
-    const label = $("select", {}, $("option", {value: "", textContent: "material?"}), ...data.labels.map(value => $("option", {value, textContent: value})));
-    label.value = data.labels.includes(part.label) ? part.label : "";
+    const label = $("select", {}, $("option", {value: "", textContent: "material?"}), ...labelOptions());
+    label.value = data.labels.some(l => l.name === part.label) ? part.label : "";
     label.setAttribute("aria-label", "Material of " + part.name);
-    label.addEventListener("change", () => { part.label = label.value; });
+    label.addEventListener("change", () => { part.label = label.value; showMaterials(); });
     const count = Object.values(part.marks).reduce((n, polygons) => n + polygons.length, 0);
     const clear = $("button", {type: "button", textContent: "Clear", disabled: count === 0});
     clear.setAttribute("aria-label", "Clear the outlines of " + part.name);
@@ -121,15 +128,22 @@ document.addEventListener("keydown", event => {
   event.preventDefault();
 });
 
-// The inventory as it stands in the page. A part that was marked is found by its outlines alone.
-function inventory() {
-  const taken = new Set(), rows = [];
-  for (const part of parts) {
-    const row = part.row ? {...part.row} : {object: part.object, structural_role: "", physics_group: "", evidence_refs: []};
+// The parts' ids, in their order, each once within its object.
+function ids() {
+  const taken = new Set();
+  return parts.map(part => {
     let key = part.row ? part.row.part : id(part.name);
     for (let k = 2; taken.has(part.object + "/" + key); ++k) key = `${id(part.name)}-${k}`;
     taken.add(part.object + "/" + key);
-    Object.assign(row, {part: key, name: part.name});
+    return key;
+  });
+}
+// The inventory as it stands in the page. A part that was marked is found by its outlines alone.
+function inventory() {
+  const names = ids(), rows = [];
+  for (const [p, part] of parts.entries()) {
+    const row = part.row ? {...part.row} : {object: part.object, structural_role: "", physics_group: "", evidence_refs: []};
+    Object.assign(row, {part: names[p], name: part.name});
     delete row.named_by;
     if (part.label) row.expected_labels = [part.label];
     if (Object.keys(part.marks).length) row.hints = {regions: part.marks};
@@ -137,30 +151,30 @@ function inventory() {
   }
   return {...data.inventory, rows};
 }
-// Under pm-report serve it goes into the run's folder; a page that was opened as a file gives it as a download.
-async function save() {
-  finish();
-  const text = JSON.stringify(inventory(), null, 2) + "\n";
+// Under pm-report serve a record goes into the run's folder; a page that was opened as a file gives it as a download.
+// kind: inventory, materials or plan; variable: of make, that takes the file.
+async function save(kind, variable, record, said) {
+  const text = JSON.stringify(record, null, 2) + "\n";
   if (location.protocol === "http:") {
     try {
-      const reply = await fetch("inventory", {method: "POST", headers: {"Content-Type": "application/json"}, body: text});
-      status.textContent = await reply.text();
+      const reply = await fetch(kind, {method: "POST", headers: {"Content-Type": "application/json"}, body: text});
+      said.textContent = await reply.text();
     } catch {
-      status.textContent = "Not saved: pm-report serve does not answer.";
+      said.textContent = "Not saved: pm-report serve does not answer.";
     }
     return;
   }
-  const link = $("a", {href: URL.createObjectURL(new Blob([text], {type: "application/json"})), download: "marked-inventory.json"});
+  const name = `marked-${kind}.json`;
+  const link = $("a", {href: URL.createObjectURL(new Blob([text], {type: "application/json"})), download: name});
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-  status.textContent = "Saved as marked-inventory.json. Give it to make: INVENTORY=marked-inventory.json, with the other variables of this run.";
+  said.textContent = `Saved as ${name}. Give it to make: ${variable}=${name}, with the other variables of this run.`;
 }
 const add = $("button", {type: "button", textContent: "New part"}), keep = $("button", {type: "button", className: "act", id: "save", textContent: "Save the inventory"});
 add.addEventListener("click", () => {
-  parts.push({row: null, object: objects[0].id, name: `part ${parts.length + 1}`, label: "", marks: {}});
+  parts.push({row: null, object: objects[0].id, name: `part ${parts.length + 1}`, label: "", marks: {}, stated: {}});
   choose(parts.length - 1);
   list.lastElementChild.querySelector("input").select();
 });
-keep.addEventListener("click", save);
+keep.addEventListener("click", () => { finish(); save("inventory", "INVENTORY", inventory(), status); });
 editor.append(list, $("div", {className: "row"}, add, keep), status);
-show();

@@ -583,3 +583,27 @@ TEST_CASE("candidate: a material field gives rows its median density, and partic
   CHECK(step_size(sponge, soft, {}, &state).c_max == Approx(wave_speed(1e7, 0.3, 400)));
   CHECK(step_size(sponge, soft, {}).c_max == Approx(wave_speed(1e5, 0.3, 400)));
 }
+
+TEST_CASE("candidate: what is stated of a row holds in every candidate and repair, as it stands") {
+  Cake cake;
+  // Beyond the ranges of Foam and of ordinary rows; of the plate a number alone.
+  cake.evidence.rows[1].stated = {kFoam, 3e8, 0.47, 4500.0};
+  cake.evidence.rows[0].stated.E = 12345;
+  const auto check = [](const std::vector<Candidate>& candidates) {
+    REQUIRE(!candidates.empty());
+    for (const Candidate& c : candidates) {
+      CAPTURE(c.id);
+      check_row(c.rows[1], Branch::foam, 3e8, 0.47, 4500);
+      CHECK(c.rows[1].label == kFoam);
+      CHECK(c.rows[0].E == 12345);
+    }
+  };
+  std::vector<Candidate> seen = build_initial(cake.context(), "plan.json").candidates;
+  CHECK(seen.size() > 4);
+  check(seen);
+  ScreenRecord screen;
+  screen.decision = "repair";
+  screen.repair_base = "posterior";
+  screen.repair_routes = {"support-stiffness", "rigid-support", "elastic-cohesion", "higher-cohesion"};
+  check(build_repairs(cake.context(), screen, seen, "plan.json").candidates);
+}

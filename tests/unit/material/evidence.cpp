@@ -407,3 +407,21 @@ TEST_CASE("material: posteriors are distributions and rows do not influence each
     CHECK(reversed.rows[39 - i].label == all.rows[i].label);
   }
 }
+
+TEST_CASE("material: a stated label is selected whatever was expected and observed") {
+  const InventoryRow row = make_row("plate", "support", "", {"Ceramic"});
+  RowObservations observed;
+  observed.vlm = {make_vlm(0.95, kThreeViews, {{kGlass, 1.0}})};
+  observed.stated.label = kSnow;
+  observed.stated.rho = 150;
+  const EvidenceRow evidence = row_evidence(row, observed, 3, 0.9, kWood);
+  CHECK(evidence.label == kSnow);
+  CHECK(evidence.confidence == 1);
+  CHECK(evidence.probability(kSnow) == 1);
+  CHECK_FALSE(evidence.fallback);
+  CHECK(evidence.guards.back().name == "stated");
+  CHECK(evidence.sources.size() >= 3);  // what was observed is still told
+  CHECK(evidence.stated.rho == 150);
+  // In the range of the stated label.
+  CHECK(std::pow(10, evidence.log10_E) == Approx(kLabels[kSnow].E_default()));
+}
