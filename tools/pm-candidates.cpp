@@ -70,7 +70,7 @@ int work_authored(const Options& options) {
   const Scene scene = load_scene(options.scene, {});
   const Inventory inventory = load_inventory(options.inventory);
   const AuthoredConfiguration configuration = load_configuration(options.configuration, inventory);
-  const std::vector<long> gaussians = load_state(options.state, &inventory).gaussians_per_row();
+  const std::vector<long> gaussians = load_state_rows(options.state, inventory).gaussians_per_row();
   candidate::Round round;
   round.candidates.push_back(
       candidate::authored_candidate(configuration, inventory, scene.run, gaussians, options.configuration));
@@ -91,7 +91,7 @@ int work(const Options& options) {
   const Inventory inventory = load_inventory(options.inventory);
   const Plan plan = load_plan(options.plan, inventory);
   Evidence evidence = load_evidence(options.evidence, inventory.row_keys());
-  const State state = load_state(options.state, &inventory);
+  const State state = load_state_rows(options.state, inventory);
   const std::vector<long> gaussians = state.gaussians_per_row();
   check_evidence(options, evidence, gaussians);
   if (!scene.run.ablation.part_materials) candidate::give_one_material(evidence, inventory, state.volume_per_row());

@@ -119,7 +119,7 @@ int work(Options options) {
   for (const SceneView& view : scene.views) view_names.push_back(view.name);
   require_written_with(options.inventory, options.masks);
   const std::vector<ViewMasks> masks = load_masks(options.masks, inventory, view_names);
-  const State state = load_state(options.state, &inventory);
+  const State state = load_state_rows(options.state, inventory);
   require_made_from(options.state, options.inventory, false, "state");
   require_made_from(options.state, options.masks, false, "state");
 

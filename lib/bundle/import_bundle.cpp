@@ -108,10 +108,7 @@ int grid_for(const Gaussians& gaussians, const RunSpecification& run) {
   if (count <= kNeighbours) return kCoarsest;
   std::vector<int32_t> all(gaussians.size());
   std::iota(all.begin(), all.end(), 0);
-  const NeighborSearch<3> search(gaussians.position, all);
-  std::vector<double> distance(gaussians.size());
-#pragma omp parallel for
-  for (int i = 0; i < count; ++i) distance[i] = search.around(i, kNeighbours).back().squared;
+  std::vector<double> distance = NeighborSearch<3>(gaussians.position, all).squared_to_nth(kNeighbours);
   const size_t rank = gaussians.size() * 9 / 10;
   std::nth_element(distance.begin(), distance.begin() + rank, distance.end());
   const double cell = std::sqrt(distance[rank]) * solver_map(gaussians, run).s;

@@ -156,8 +156,9 @@ std::vector<Vector3d> means_of(const Gaussians& gaussians) {
 
 Eigen::AlignedBox3d robust_box_of(const Gaussians& gaussians) {
   Vector3d low, high;
-  std::vector<std::pair<float, float>> values(gaussians.size());
+#pragma omp parallel for schedule(static, 1)
   for (int axis = 0; axis < 3; ++axis) {
+    std::vector<std::pair<float, float>> values(gaussians.size());
     double total = 0;
     for (size_t i = 0; i < values.size(); ++i) {
       values[i] = {gaussians.position[i][axis], gaussians.opacity(i)};

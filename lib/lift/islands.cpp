@@ -73,10 +73,7 @@ std::vector<std::vector<int32_t>> pieces_of(const std::vector<Eigen::Vector3f>& 
 
 double median_spacing(const std::vector<Eigen::Vector3f>& means, const std::vector<int32_t>& members) {
   if (members.size() < 2) return 0;
-  const NeighborSearch<3> search(means, members);
-  std::vector<double> squared(members.size());
-#pragma omp parallel for schedule(dynamic, 256)
-  for (size_t m = 0; m < members.size(); ++m) squared[m] = search.around(members[m], 1).front().squared;
+  std::vector<double> squared = NeighborSearch<3>(means, members).squared_to_nth(1);
   const auto middle = squared.begin() + static_cast<long>(squared.size() / 2);
   std::nth_element(squared.begin(), middle, squared.end());
   return std::sqrt(*middle);

@@ -130,8 +130,10 @@ std::vector<double> State::volume_per_row() const {
   return sums;
 }
 
-State load_state(const std::string& path, const Inventory* inventory) {
-  const Hdf5Reader file(path, "state");
+namespace {
+
+// Rows of Gaussians and particles, and volumes.
+State read_rows(const Hdf5Reader& file, const Inventory* inventory) {
   file.allow_only({"/gaussians/object", "/gaussians/row", "/gaussians/confidence", "/particles/position",
                    "/particles/volume", "/particles/row", "/particles/object", "/particles/source",
                    "/carriers/gaussian", "/carriers/rest", "/carriers/particle", "/carriers/weight",
@@ -147,15 +149,34 @@ State load_state(const std::string& path, const Inventory* inventory) {
   }
   const int32_t rows = static_cast<int32_t>(state.row_keys.size());
   state.gaussian_row = file.read_int("/gaussians/row", {UINT64_MAX}, kMaxParticles);
-  const uint64_t gaussians = state.gaussian_row.size();
-  if (gaussians == 0) throw file.invalid("/gaussians/row", "no Gaussians", "at least one");
+  if (state.gaussian_row.empty()) throw file.invalid("/gaussians/row", "no Gaussians", "at least one");
+  state.row = file.read_int("/particles/row", {UINT64_MAX}, kMaxParticles);
+  state.volume = file.read_float("/particles/volume", {state.row.size()});
+  check_indices(file, "/gaussians/row", state.gaussian_row, rows);
+  check_indices(file, "/particles/row", state.row, rows);
+  for (size_t q = 0; q < state.volume.size(); ++q) {
+    if (!(state.volume[q] > 0))
+      throw file.invalid("/particles/volume", fmt::format("{} at particle {}", state.volume[q], q),
+                         "a positive volume");
+  }
+  return state;
+}
+
+}  // namespace
+
+State load_state_rows(const std::string& path, const Inventory& inventory) {
+  return read_rows(Hdf5Reader(path, "state"), &inventory);
+}
+
+State load_state(const std::string& path, const Inventory* inventory) {
+  const Hdf5Reader file(path, "state");
+  State state = read_rows(file, inventory);
+  const int32_t rows = static_cast<int32_t>(state.row_keys.size());
+  const uint64_t gaussians = state.gaussian_row.size(), particles = state.row.size();
   state.gaussian_object = file.read_int("/gaussians/object", {gaussians});
   state.gaussian_confidence = file.read_float("/gaussians/confidence", {gaussians});
-  state.row = file.read_int("/particles/row", {UINT64_MAX}, kMaxParticles);
-  const uint64_t particles = state.row.size();
   state.object = file.read_int("/particles/object", {particles});
   state.source = file.read_int("/particles/source", {particles});
-  state.volume = file.read_float("/particles/volume", {particles});
   state.map.s = file.read_attribute("/map", "s", 1)[0];
   const std::vector<double> d = file.read_attribute("/map", "d", 3);
   state.map.d = {d[0], d[1], d[2]};
@@ -165,8 +186,6 @@ State load_state(const std::string& path, const Inventory* inventory) {
   state.map.n = static_cast<int>(cells);
   if (!(state.map.s > 0)) throw file.invalid("/map/@s", fmt::format("{}", state.map.s), "a positive scale");
   if (!(state.map.length > 0)) throw file.invalid("/map/@L", fmt::format("{}", state.map.length), "a positive length");
-  check_indices(file, "/gaussians/row", state.gaussian_row, rows);
-  check_indices(file, "/particles/row", state.row, rows);
   check_indices(file, "/particles/source", state.source, static_cast<int32_t>(gaussians));
   const int32_t objects = inventory != nullptr ? static_cast<int32_t>(inventory->objects.size()) : rows;
   check_indices(file, "/gaussians/object", state.gaussian_object, objects);
@@ -178,10 +197,7 @@ State load_state(const std::string& path, const Inventory* inventory) {
                        fmt::format("at least the {} Gaussians", carriers));
   state.position = read_points(file, "/particles/position", particles, state.map.length);
   for (uint64_t q = 0; q < particles; ++q) {
-    if (!(state.volume[q] > 0))
-      throw file.invalid("/particles/volume", fmt::format("{} at particle {}", state.volume[q], q),
-                         "a positive volume");
-    if (q >= carriers) continue;
+    if (q >= carriers) break;
     const int32_t g = state.carriers.empty() ? static_cast<int32_t>(q) : state.carriers.gaussian[q];
     if (state.source[q] != g || state.row[q] != state.gaussian_row[g]) {
       throw file.invalid("/particles/source", fmt::format("particle {} that is not Gaussian {}", q, g),

@@ -19,7 +19,7 @@ namespace physmas::report {
 namespace {
 
 constexpr int kPictures = 21;           // at most
-constexpr int kFewestPictures = 6;      // of a scene with many Gaussians
+constexpr int kFewestPictures = 4;      // of a scene with many Gaussians
 constexpr double kMostGaussians = 2e6;  // over all pictures, where these are more than kFewestPictures
 constexpr int kSize = 400;              // pixels, the longer side of a picture
 

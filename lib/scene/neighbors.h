@@ -31,6 +31,9 @@ class NeighborSearch {
   std::vector<Neighbor> nearest(const Point& query, int count) const;
   // As nearest(points[self], count) without `self`.
   std::vector<Neighbor> around(int32_t self, int count) const;
+  // Of every point of the subset, the squared distance to its nth nearest other one, nth >= 1; in no particular order.
+  // The subset has more than nth points.
+  std::vector<double> squared_to_nth(int nth) const;
   bool empty() const { return subset_.empty(); }
 
  private:
