@@ -13,7 +13,7 @@ roots=()
 add_root() {
   if [ -e "$1" ]; then roots+=("$(realpath -- "$1")"); fi
 }
-for variable in SPEC INVENTORY DATAPARSER PHYSGAUSSIAN MATERIALS AUTHORED PREDICTOR MASKS VIEWS GAUSSIANS CAMERAS SCENE_AGENT PERCEPTION AGENT; do
+for variable in SPEC INVENTORY PLAN DATAPARSER PHYSGAUSSIAN MATERIALS AUTHORED PREDICTOR MASKS VIEWS GAUSSIANS CAMERAS SCENE_AGENT PERCEPTION AGENT; do
   value=PM_ASKED_$variable
   value=${!value:-}
   if [ -n "$value" ]; then add_root "${value#replay:}"; fi

@@ -56,6 +56,13 @@ stage = @mkdir -p $(STAMPS) && touch $(STAMPS)/work && printf '  %-10s %s\n' '$(
 finish = @shopt -s nullglob; for f in $(1); do [ ! -f "$$f" ] || printf '%s\n' "$${f\#$(RUN)/}"; done >$@.files; touch $@
 promised = $(call missing,$(STAMPS)/$(1).files $(addprefix $(RUN)/,$(call held,$(file <$(STAMPS)/$(1).files))))
 
+# Tools note beside the stamp how long a stage took, or why it failed (lib/base/stage_notes.h).
+$(RUN)/.stamps/%: export PM_STAGE = $@
+# $(or_explain): behind the command of a stage. Where that fails, the page of the run says so; make ends as it would without.
+or_explain = || { status=$$?; rm -f $(STAMPS)/report; \
+  PM_STAGE= $(call job,report-failed,1,$(RUN),,$(STAMPS)/report-failed.log) $(BIN)/pm-report --run $(RUN) --failed $(@F) --status $$status --threads 1 >/dev/null 2>&1 && \
+  echo "$(RUN)/report.html says what failed and what to do" >&2; exit $$status; }
+
 .PHONY: FORCE
 FORCE:
 
@@ -81,7 +88,7 @@ $(STAMPS)/spec: $(BUNDLE_FILES) $(RUN)/settings $(RUN)/changes $(if $(GAUSSIANS)
 	for s in $$PM_ASKED_DEFAULTS; do settings+=("--default=$$s"); done; \
 	$(call job,$(@F),1,$(job_inputs) $(BUNDLE),$(SLICES),$@.log) \
 	$(BIN)/pm-scene slice --scene "$$PM_SCENE_FILE" --out $(RUN)/spec "$${settings[@]}" \
-	  $(if $(GAUSSIANS),,$(call option,--prompt=,PROMPT) $(call option,--overrides=,SPEC))
+	  $(if $(GAUSSIANS),,$(call option,--prompt=,PROMPT) $(call option,--overrides=,SPEC)) $(or_explain)
 	$(call finish,$(RUN)/spec/camera.mk)
 $(SLICES): $(STAMPS)/spec ;
 
@@ -106,7 +113,7 @@ $(STAMPS)/ground: $(RUN)/spec/ground.json $(RUN)/ground-models $(REPLAYED_SCENE_
 	$(call job,$(@F),$(threads),$(job_inputs),$(GROUNDED),$@.log) \
 	$(BIN)/pm-ground --scene $< --out $(RUN) $(call option,--agent=,SCENE_AGENT) $(if $(SCENE_AGENT),$(call option,--model=,MODEL)) \
 	  $(call option,--perception=,PERCEPTION) $(if $(call given,SCENE_AGENT PERCEPTION),$(call server_options,SCENE_AGENT)) \
-	  $(call option,--plan=,PLAN) $(call option,--material=,MATERIAL) --threads $(threads)
+	  $(call option,--plan=,PLAN) $(call option,--material=,MATERIAL) --threads $(threads) $(or_explain)
 	$(call finish,$(if $(call given,SCENE_AGENT PERCEPTION),$(RUN)/exchanges/{ground,detector,segmenter}_*.json $(RUN)/exchanges/*.{png,bin}))
 $(GROUNDED): $(STAMPS)/ground ;
 
@@ -114,7 +121,7 @@ $(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(ca
 	$(call stage,lift,$(RUN)/state.h5)
 	@$(call or_base,spec/lift.json inventory.json masks.h5,state.h5) \
 	$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/state.h5,$@.log) \
-	$(BIN)/pm-lift --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --out $(RUN)/state.h5 --threads $(threads)
+	$(BIN)/pm-lift --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --out $(RUN)/state.h5 --threads $(threads) $(or_explain)
 	$(finish)
 $(RUN)/state.h5: $(STAMPS)/lift ;
 
@@ -126,7 +133,7 @@ $(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks
 	$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/evidence.json,$@.log) \
 	$(BIN)/pm-material --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --state $(RUN)/state.h5 \
 	  --out $(RUN)/evidence.json $(call option,--agent=,AGENT) $(if $(AGENT),$(call option,--model=,MODEL)) \
-	  $(call option,--predictor=,PREDICTOR) $(if $(call given,AGENT PREDICTOR),$(call server_options,AGENT)) $(call option,--authored=,AUTHORED) --threads $(threads)
+	  $(call option,--predictor=,PREDICTOR) $(if $(call given,AGENT PREDICTOR),$(call server_options,AGENT)) $(call option,--authored=,AUTHORED) --threads $(threads) $(or_explain)
 	$(call finish,$(if $(call given,AGENT PREDICTOR),$(RUN)/exchanges/{material,predictor}_*.json $(RUN)/exchanges/*.{png,bin}))
 $(RUN)/evidence.json: $(STAMPS)/material ;
 
@@ -145,7 +152,7 @@ $(STAMPS)/candidates$(1): $(RUN)/spec/candidates.json $(RUN)/inventory.json $(RU
 	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/candidates/round$(1).json $$(RUN)/candidates/round$(1).mk,$$@.log) \
 	$(BIN)/pm-candidates --scene $$< --inventory $(RUN)/inventory.json --plan $(RUN)/plan.json \
 	  --evidence $(RUN)/evidence.json --state $(RUN)/state.h5 --out $(RUN)/candidates \
-	  $(if $(2),--repair $(RUN)/screen/round$(2).json) --threads $$(threads)
+	  $(if $(2),--repair $(RUN)/screen/round$(2).json) --threads $$(threads) $$(or_explain)
 	@bash $(PIPELINES)remove-stale.sh $(RUN) $(1) candidates
 	$$(finish)
 $(RUN)/candidates/round$(1).json $(RUN)/candidates/round$(1).mk $(PM_ROUND$(1):%=$(RUN)/candidates/%.json): \
@@ -160,7 +167,7 @@ $(STAMPS)/camera$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(3:%=$(RUN)/rollo
 	$$(call stage,camera,$$(RUN)/cameras/round$(1).json)
 	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/cameras/round$(1).json,$$@.log) \
 	$(BIN)/pm-render fit --scene $$< --state $(RUN)/state.h5 --rollout $(3:%=$(RUN)/rollouts/%.h5) \
-	  $(2:%=--widen $(RUN)/cameras/round%.json) --out $(RUN)/cameras/round$(1).json --threads $$(threads)
+	  $(2:%=--widen $(RUN)/cameras/round%.json) --out $(RUN)/cameras/round$(1).json --threads $$(threads) $$(or_explain)
 	$$(finish)
 $(RUN)/cameras/round$(1).json: $(STAMPS)/camera$(1) ;
 endef
@@ -173,7 +180,7 @@ $(STAMPS)/simulate-$(1): $(RUN)/spec/simulate.json $(RUN)/state.h5 $(RUN)/candid
 	$$(call stage,simulate,$$(RUN)/rollouts/$(1).h5)
 	@PM_CANDIDATE=$(3) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/rollouts/$(1).h5 $$(RUN)/rollouts/$(1).json,$$@.log) \
 	$(BIN)/pm-simulate --scene $$< --state $(RUN)/state.h5 --candidate $(RUN)/candidates/$(1).json \
-	  --out $(RUN)/rollouts/$(1).h5 --threads $$(threads)$(if $(DEVICE), --device $(DEVICE))
+	  --out $(RUN)/rollouts/$(1).h5 --threads $$(threads)$(if $(DEVICE), --device $(DEVICE)) $$(or_explain)
 	$$(finish)
 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json: $(STAMPS)/simulate-$(1) ;
 $(STAMPS)/render-$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json $(2) \
@@ -181,7 +188,7 @@ $(STAMPS)/render-$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/rollouts/$
 	$$(call stage,render,$$(RUN)/videos/$(1).mp4)
 	@PM_CANDIDATE=$(3) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/videos/$(1).json,$$@.log) \
 	$(BIN)/pm-render --scene $$< --state $(RUN)/state.h5 --rollout $(RUN)/rollouts/$(1).h5 \
-	  --out $(RUN)/videos/$(1).mp4 --sheet $(RUN)/videos/$(1).png --candidate $(RUN)/candidates/$(1).json $(2:%=--cameras %) --threads $$(threads)
+	  --out $(RUN)/videos/$(1).mp4 --sheet $(RUN)/videos/$(1).png --candidate $(RUN)/candidates/$(1).json $(2:%=--cameras %) --threads $$(threads) $$(or_explain)
 	$$(call finish,$$(RUN)/videos/$(1).mp4 $$(RUN)/videos/$(1).png)
 $(RUN)/videos/$(1).json: $(STAMPS)/render-$(1) ;
 endef
@@ -197,7 +204,7 @@ $(STAMPS)/screen$(1): $(RUN)/spec/screen.json $(RUN)/plan.json $(RUN)/evidence.j
 	$(BIN)/pm-screen --scene $$< --plan $(RUN)/plan.json --evidence $(RUN)/evidence.json \
 	  --inventory $(RUN)/inventory.json --candidates $(RUN)/candidates --rollouts $(RUN)/rollouts \
 	  --videos $(RUN)/videos --round $(1) --out $(RUN)/screen/round$(1).json \
-	  --accepted $(RUN)/accepted.json --final $(RUN)/final.mp4 --quiet --threads $$(threads) || [ $$$$? -eq 6 ]
+	  --accepted $(RUN)/accepted.json --final $(RUN)/final.mp4 --quiet --threads $$(threads) || [ $$$$? -eq 6 ] $$(or_explain)
 	@bash $(PIPELINES)remove-stale.sh $(RUN) $(1) screen
 	$$(finish)
 $(RUN)/screen/round$(1).json $(RUN)/screen/round$(1).mk: $(STAMPS)/screen$(1) ;
@@ -282,7 +289,7 @@ $(STAMPS)/best: $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/screen/round$(LAS
 	$(call stage,best,$(RUN)/best.mp4)
 	@$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/best.mp4,$@.log) \
 	$(BIN)/pm-render best --scene $< --state $(RUN)/state.h5 --screen $(RUN)/screen/round$(LAST_ROUND).json \
-	  --rollouts $(RUN)/rollouts --candidates $(RUN)/candidates $(BEST_CAMERAS:%=--cameras %) --out $(RUN)/best.mp4 --quiet --threads $(threads)
+	  --rollouts $(RUN)/rollouts --candidates $(RUN)/candidates $(BEST_CAMERAS:%=--cameras %) --out $(RUN)/best.mp4 --quiet --threads $(threads) $(or_explain)
 	$(finish)
 
 # The discretisation error of what was accepted, for who asks.
@@ -291,7 +298,7 @@ $(STAMPS)/error: $(RUN)/spec/simulate.json $(RUN)/spec/render.json $(RUN)/state.
 	$(call stage,error,$(RUN)/error.json)
 	@$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/error.json,$@.log) \
 	$(BIN)/pm-eval error --scene $< --view $(RUN)/spec/render.json --state $(RUN)/state.h5 --accepted $(RUN)/accepted.json \
-	  --out $(RUN)/error.json --threads $(threads) $(to_log)
+	  --out $(RUN)/error.json --threads $(threads) $(to_log) $(or_explain)
 	$(finish)
 
 # --- Before a run -------------------------------------------------------------------------------------------------

@@ -36,6 +36,13 @@ int main(int argc, char** argv) {
     app.add_option("--out", options.out, "Page to write, .html; report.html in the run's folder when absent")
         .check(is_html)
         .type_name("FILE");
+    app.add_option(
+           "--failed", options.failed,
+           "A stage of the run that has just failed, as make calls it: the page says what it said and what to do")
+        .type_name("STAGE");
+    app.add_option("--status", options.status, "Exit status of the command of that stage")
+        .between(0, 255)
+        .capture_default_str();
     app.add_option("--viewer", viewer, "Megabytes that the 3D viewer's stream may take; 0: no viewer")
         .between(0.0, 500.0)
         .capture_default_str();

@@ -9,12 +9,14 @@
 #include <sstream>
 #include <utility>
 
+#include "base/clock.h"
 #include "base/cuda_build.h"
 #include "base/error.h"
 #include "base/kernels.h"
 #include "base/log.h"
 #include "base/machine_limits.h"
 #include "base/output.h"
+#include "base/stage_notes.h"
 
 namespace physmas {
 namespace {
@@ -193,8 +195,9 @@ int parse_and_work(int argc, char** argv, const ToolMain& tool) {
   return tool.work(common);
 }
 
-int report(const Error& error) {
+int report(const std::string& tool, const Error& error) {
   log_error(error.what());
+  note_failure(tool, static_cast<int>(error.code()), error.what());
   return static_cast<int>(error.code());
 }
 
@@ -207,13 +210,16 @@ int run_tool(int argc, char** argv, const ToolMain& tool) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   const ForeignExits watched;
+  const Stopwatch watch;
   try {
-    return parse_and_work(argc, argv, tool);
+    const int code = parse_and_work(argc, argv, tool);
+    note_time(watch.seconds(), peak_memory_bytes());
+    return code;
   } catch (const Error& e) {
-    return report(e);
+    return report(tool.name, e);
   } catch (const std::exception& e) {
-    if (const std::optional<Error> limit = limit_behind(e)) return report(*limit);
-    return report(internal_error(e.what()));
+    if (const std::optional<Error> limit = limit_behind(e)) return report(tool.name, *limit);
+    return report(tool.name, internal_error(e.what()));
   }
 }
 

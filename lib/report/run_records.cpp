@@ -42,7 +42,12 @@ class Loader {
     load_settings();
     load_request();
     load_error();
+    load_times();
     choose_shown();
+    return std::move(run_);
+  }
+  RunRecords load_only_request() {
+    load_request();
     return std::move(run_);
   }
 
@@ -187,6 +192,28 @@ class Loader {
     }
   }
 
+  void load_times() {
+    std::vector<std::string> stages = {"bundle", "spec", "ground", "lift", "material"};
+    for (int n = 0; n < 3; ++n) {
+      stages.push_back(fmt::format("candidates{}", n));
+      for (const char* what : {"simulate", "camera", "render"}) {
+        if (std::string(what) == "camera") {
+          stages.push_back(fmt::format("camera{}", n));
+          continue;
+        }
+        for (const RunRecords::Attempt& a : run_.attempts) {
+          if (a.candidate.round == n) stages.push_back(fmt::format("{}-{}", what, a.candidate.id));
+        }
+      }
+      stages.push_back(fmt::format("screen{}", n));
+    }
+    stages.insert(stages.end(), {"best", "error"});
+    for (const std::string& stage : stages) {
+      if (const auto time = read_stage_time(join_path(run_.folder, ".stamps/" + stage)))
+        run_.times.emplace_back(stage, *time);
+    }
+  }
+
   void choose_shown() {
     for (const RunRecords::Attempt& a : run_.attempts) {
       if (run_.accepted.empty() ? (run_.shown == nullptr && !a.video.empty()) : a.candidate.id == run_.accepted)
@@ -213,6 +240,10 @@ std::string RunRecords::path(const std::string& relative) const {
 
 RunRecords load_run(const std::string& folder) {
   return Loader(folder).load();
+}
+
+RunRecords load_request(const std::string& folder) {
+  return Loader(folder).load_only_request();
 }
 
 }  // namespace physmas::report

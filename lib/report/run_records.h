@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/stage_notes.h"
 #include "records/candidate.h"
 #include "records/evidence.h"
 #include "records/execution.h"
@@ -30,6 +31,8 @@ struct RunRecords {
   };
 
   std::string folder;
+  // By stage, as make noted them (base/stage_notes.h): those that took part, in the order of the run.
+  std::vector<std::pair<std::string, StageTime>> times;
   std::vector<std::string> files;  // that were read, relative to the folder, in the order of reading
   std::optional<Scene> scene;      // spec/render.json
   std::string prompt;
@@ -57,6 +60,8 @@ struct RunRecords {
 // Errors (exit code 3): no folder, not a run's (nothing in spec/), or a record that is damaged or names other bytes
 // than are there.
 RunRecords load_run(const std::string& folder);
+// Of a run that has no scene yet, or one whose records cannot be read: what it was asked for.
+RunRecords load_request(const std::string& folder);
 
 }  // namespace physmas::report
 

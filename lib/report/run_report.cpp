@@ -59,10 +59,23 @@ std::string video_markup(const std::string& address, const std::string& poster, 
 
 class Report {
  public:
-  explicit Report(const ReportOptions& options) : options_(options), run_(load_run(options.run)) {}
+  explicit Report(const ReportOptions& options) : options_(options) {
+    if (!options.failed.empty()) {
+      failure_ = read_stage_failure(join_path(options.run, ".stamps/" + options.failed)).value_or(StageFailure());
+      if (failure_->code == 0) failure_->code = options.status;
+    }
+    try {
+      run_ = load_run(options.run);
+      load_shown();
+    } catch (const Error&) {
+      // What failed may be what cannot be read.
+      if (!failure_) throw;
+      run_ = load_request(options.run);
+    }
+  }
 
   void write() {
-    load_shown();
+    if (!run_.scene) return write_failure();
     Page page;
     page.title = run_.scene->name + ": " + verdict();
     page.styles = {"page.css", "viewer.css", "report.css"};
@@ -77,7 +90,22 @@ class Report {
   }
 
  private:
+  // Nothing is there but the words.
+  void write_failure() {
+    const std::string name = fs::path(fs::absolute(options_.run)).lexically_normal().filename().string();
+    Page page;
+    page.title = name + ": failed";
+    page.styles = {"page.css", "report.css"};
+    page.body = fmt::format(
+        "<header><p class=\"name\">{} <span class=\"chip bad\">failed</span></p><h1>{}</h1></header>\n<main><section "
+        "class=\"first\"><div>{}</div></section></main>\n",
+        escaped(name), escaped(name), failure_section(run_, *failure_, options_.failed));
+    write_file(options_.out, page_text(page));
+    save();
+  }
+
   std::string verdict() const {
+    if (failure_) return "failed";
     if (!run_.screen || run_.screen->decision == "repair") return "not finished";
     return run_.accepted.empty() ? "nothing accepted" : "accepted";
   }
@@ -101,9 +129,10 @@ class Report {
 
   // sections: what its links may lead to.
   std::string head(const std::string& sections) const {
-    const std::string state = !run_.screen || run_.screen->decision == "repair" ? "warn"
-                              : run_.accepted.empty()                           ? "bad"
-                                                                                : "good";
+    const std::string state = failure_                                            ? "bad"
+                              : !run_.screen || run_.screen->decision == "repair" ? "warn"
+                              : run_.accepted.empty()                             ? "bad"
+                                                                                  : "good";
     std::string nav;
     for (const auto& [id, text] :
          {std::pair("candidates", "Candidates"), std::pair("viewer-section", "In 3D"), std::pair("parts", "Parts"),
@@ -119,7 +148,9 @@ class Report {
 
   std::string first() {
     std::string html, why;
-    if (!run_.screen) {
+    if (failure_) {
+      why = failure_section(run_, *failure_, options_.failed);
+    } else if (!run_.screen) {
       why =
           "<p class=\"warn\">This run has no screen record: a stage failed, or it was interrupted. What was made so "
           "far is below; <code>make run</code> with the same variables goes on.</p>\n";
@@ -240,12 +271,16 @@ class Report {
     Json ids = Json::array();
     for (const RunRecords::Attempt& a : run_.attempts) ids.push_back(a.candidate.id);
     const bool finished = run_.screen && run_.screen->decision != "repair";
-    const Json body = {{"page", fs::path(options_.out).filename().string()},
-                       {"decision", finished ? run_.screen->decision : "unfinished"},
-                       {"shown", run_.shown != nullptr ? Json(run_.shown->candidate.id) : Json(nullptr)},
-                       {"candidates", ids},
-                       {"viewer", viewer_},
-                       {"omitted", to_json(omitted_)}};
+    const Json body = {
+        {"page", fs::path(options_.out).filename().string()},
+        {"decision", finished ? run_.screen->decision : "unfinished"},
+        {"shown", run_.shown != nullptr ? Json(run_.shown->candidate.id) : Json(nullptr)},
+        {"candidates", ids},
+        {"viewer", viewer_},
+        {"failed", failure_
+                       ? Json({{"stage", options_.failed}, {"status", failure_->code}, {"message", failure_->message}})
+                       : Json(nullptr)},
+        {"omitted", to_json(omitted_)}};
     Provenance provenance;
     provenance.tool = "pm-report";
     for (const std::string& file : run_.files) provenance.add_input(run_.path(file));
@@ -254,6 +289,7 @@ class Report {
   }
 
   ReportOptions options_;
+  std::optional<StageFailure> failure_;
   RunRecords run_;
   std::optional<Scene> scene_;
   std::optional<Gaussians> gaussians_;

@@ -8,6 +8,9 @@
 namespace physmas::report {
 
 struct ReportOptions {
+  // Of a run that has just failed: the stage, as make calls it, and the exit status of its command. Empty: none has.
+  std::string failed;
+  int status = 0;
   std::string run;                   // the run's folder
   std::string out;                   // .html; the record goes beside it
   size_t viewer_bytes = 3 << 20;     // most that the stream of the viewer may take; 0: no viewer

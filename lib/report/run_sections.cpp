@@ -149,7 +149,8 @@ std::string shell_word(const std::string& text) {
 }
 
 // The call that asks for the same run again, into another folder.
-std::string make_call(const RunRecords& run, const std::string& variable = "", const std::string& value = "") {
+std::string make_call(const RunRecords& run, const std::string& variable = "", const std::string& value = "",
+                      const std::string& folder = "runs/again") {
   std::string call = "make run";
   bool given = variable.empty();
   for (const auto& [name, old] : run.request) {
@@ -164,7 +165,7 @@ std::string make_call(const RunRecords& run, const std::string& variable = "", c
     call += " " + name + "=" + shell_word(doubled);
   }
   if (!given) call += " " + variable + "=" + shell_word(value);
-  return call + " RUN=runs/again";
+  return call + " RUN=" + shell_word(folder);
 }
 
 }  // namespace
@@ -454,35 +455,82 @@ std::string omitted_section(const RunRecords& run) {
 
 std::string times_section(const RunRecords& run) {
   std::vector<Bar> bars;
-  const auto seconds = [](const Json& runtime) {
-    const Json::json_pointer total("/seconds/total");
-    return runtime.contains(total) && runtime.at(total).is_number() ? runtime.at(total).get<double>() : 0.0;
-  };
-  const auto megabytes = [](const Json& runtime) {
-    return runtime.contains("peak_memory_bytes") && runtime.at("peak_memory_bytes").is_number()
-               ? runtime.at("peak_memory_bytes").get<double>() / 1e6
-               : 0.0;
-  };
   double at = 0;
+  const auto add = [&](std::string name, double seconds, double bytes) {
+    std::replace(name.begin(), name.end(), '-', ' ');
+    bars.push_back({name.substr(0, 30), fmt::format("{:.1f} s, {:.0f} MB", seconds, bytes / 1e6), at, seconds});
+    at += seconds;
+  };
+  for (const auto& [stage, time] : run.times) add(stage, time.seconds, time.peak_memory_bytes);
+  // A run that was not made by make, or by an earlier version: what the records say.
+  const Json::json_pointer total("/seconds/total");
   for (const auto& [what, simulated] : {std::pair("simulate", true), std::pair("render", false)}) {
     for (const RunRecords::Attempt& a : run.attempts) {
       const Json* runtime =
           simulated ? (a.execution ? &a.execution->runtime : nullptr) : (a.render ? &a.render->runtime : nullptr);
-      if (runtime == nullptr) continue;
-      const double length = seconds(*runtime);
-      bars.push_back({fmt::format("{} {}", what, plain_id(a.candidate.id)).substr(0, 30),
-                      fmt::format("{:.1f} s, {:.0f} MB", length, megabytes(*runtime)), at, length});
-      at += length;
+      const std::string stage = fmt::format("{}-{}", what, a.candidate.id);
+      const bool noted =
+          std::any_of(run.times.begin(), run.times.end(), [&](const auto& t) { return t.first == stage; });
+      if (noted || runtime == nullptr || !runtime->contains(total) || !runtime->at(total).is_number()) continue;
+      const bool has_memory = runtime->contains("peak_memory_bytes") && runtime->at("peak_memory_bytes").is_number();
+      add(stage, runtime->at(total).get<double>(), has_memory ? runtime->at("peak_memory_bytes").get<double>() : 0);
     }
   }
-  const std::string plot = bar_plot("Seconds and memory of the stages that take time, one after the other", bars);
+  const std::string plot = bar_plot("Seconds and memory of the stages, one after the other", bars);
   if (plot.empty()) return "";
   return std::string(kPageRuntime[0]) +
-         section("times", "Time and memory",
-                 plot +
-                     "<p class=\"quiet\">On this machine, with what else ran on it. The other stages record no "
-                     "times.</p>\n") +
+         section(
+             "times", "Time and memory",
+             plot +
+                 "<p class=\"quiet\">On this machine, with what else ran on it. A stage that was not made again has "
+                 "the time of when it was.</p>\n") +
          std::string(kPageRuntime[1]) + "\n";
+}
+
+// Which stage failed, what it said, and what to do about it.
+std::string failure_section(const RunRecords& run, const StageFailure& failure, const std::string& stage) {
+  const char* advice = "Say <code>make run</code> with the same variables again; it goes on where it stopped.";
+  switch (failure.code) {
+    case static_cast<int>(ExitCode::usage):
+      advice =
+          "A value that was given is none that this stage takes: the message names it. Change it and say make again.";
+      break;
+    case static_cast<int>(ExitCode::invalid_input):
+      advice =
+          "A file is not as expected: the message names it, what was found and what would be right. Change that and "
+          "say "
+          "make again; what is done already is kept.";
+      break;
+    case static_cast<int>(ExitCode::provider_failed):
+      advice =
+          "A model server did not answer as it must. <code>pm-ground check URL</code> says what works with it; "
+          "<code>TIMEOUT=</code>, <code>BUDGET=</code> and <code>RETRIES=</code> say how long it is asked.";
+      break;
+    case static_cast<int>(ExitCode::internal):
+      advice =
+          "This is a fault of the program, or memory ran out: try <code>THREADS=1</code> and a coarser grid, and "
+          "report "
+          "the message.";
+      break;
+    case 137:
+      advice =
+          "Something ended it by force, as the system does where memory runs out: try <code>THREADS=1</code>, a "
+          "coarser "
+          "grid (<code>SET=\"grid.n=64\"</code>) or fewer particles (<code>SET=\"particles.max=50000\"</code>).";
+      break;
+    default:
+      break;
+  }
+  std::string message =
+      failure.message.empty() ? "It said nothing; its messages are in make's output." : failure.message;
+  std::string html = fmt::format(
+      "<p class=\"warn\"><b>The stage “{}” failed</b>{}, exit code {}.</p>\n<pre "
+      "class=\"message\">{}</pre>\n<p>{}</p>\n",
+      escaped(stage), failure.tool.empty() ? "" : " (" + escaped(failure.tool) + ")", failure.code, escaped(message),
+      advice);
+  if (!run.request.empty())
+    html += "<p>What was asked for:</p>\n<pre>" + escaped(make_call(run, "", "", run.folder)) + "</pre>\n";
+  return html;
 }
 
 std::string provenance_section(const RunRecords& run) {

@@ -26,6 +26,8 @@ std::string plots_section(const RunRecords& run, RolloutReader* rollout);
 std::string error_section(const RunRecords& run);  // of the accepted run's discretisation, where it was estimated
 std::string omitted_section(const RunRecords& run);
 std::string times_section(const RunRecords& run);  // between kPageRuntime
+// Markup without a section of its own. stage: as make calls it.
+std::string failure_section(const RunRecords& run, const StageFailure& failure, const std::string& stage);
 std::string provenance_section(const RunRecords& run);
 
 }  // namespace physmas::report
