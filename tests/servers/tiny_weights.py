@@ -20,8 +20,10 @@ from transformers import (
     GroundingDinoImageProcessor,
     GroundingDinoProcessor,
     Sam2Config,
+    Sam2HieraDetConfig,
     Sam2Model,
     Sam2Processor,
+    Sam2VisionConfig,
     SwinConfig,
 )
 from transformers.models.sam2.image_processing_sam2 import Sam2ImageProcessor
@@ -58,7 +60,11 @@ GroundingDinoForObjectDetection(dino).save_pretrained(place("dino"))
 pictures = GroundingDinoImageProcessor(size={"shortest_edge": 128, "longest_edge": 160})
 GroundingDinoProcessor(pictures, BertTokenizer(place("vocab.txt"))).save_pretrained(place("dino"))
 
-Sam2Model(Sam2Config()).save_pretrained(place("sam2"))
+# Its pictures keep their 1024 pixels.
+widths = [16, 32, 64, 128]
+hiera = Sam2HieraDetConfig(hidden_size=16, blocks_per_stage=[1, 1, 2, 1], embed_dim_per_stage=widths, num_attention_heads_per_stage=[1] * 4, global_attention_blocks=[3])
+eye = Sam2VisionConfig(backbone_config=hiera, backbone_channel_list=widths[::-1])
+Sam2Model(Sam2Config(vision_config=eye)).save_pretrained(place("sam2"))
 Sam2Processor(Sam2ImageProcessor()).save_pretrained(place("sam2"))
 
 clip = dict(hidden_size=32, intermediate_size=32, num_hidden_layers=1, num_attention_heads=2, projection_dim=16)
