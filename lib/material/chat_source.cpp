@@ -72,7 +72,7 @@ MaterialRecords ask_about_rows(remote::ChatClient& chat, const Inventory& invent
     question.text = "The row: " + subject.dump() + "\nThe sheet of views follows.";
     question.images = {encode_png(highlighted_sheet(pictures, shown_masks))};
     question.schema = "material_reply";
-    question.given = {{"key", row.key()}};
+    question.given = {{"/properties/key", {{"enum", {row.key()}}}}};
     question.reject = [&](const Json& answer) { return rejection_of(answer, row.key()); };
     const remote::Answer answer = chat.ask(question);
     for (const std::string& why : answer.rejected)

@@ -40,6 +40,33 @@ Json described(const Inventory& inventory) {
   return json;
 }
 
+// $.FIELD of an answer as a list of `count` entries.
+void give_length(remote::Question& question, const std::string& field, size_t count) {
+  question.given.push_back({"/properties/" + field + "/minItems", count});
+  question.given.push_back({"/properties/" + field + "/maxItems", count});
+}
+// FIELD of every entry of $.LIST as one of `values`.
+void give_values(remote::Question& question, const std::string& list, const std::string& field,
+                 std::vector<std::string> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  question.given.push_back({"/properties/" + list + "/items/properties/" + field, {{"enum", values}}});
+}
+
+// An authored inventory keeps its objects and parts.
+void give_inventory(remote::Question& question, const Inventory& inventory) {
+  std::vector<std::string> objects, parts;
+  for (const InventoryObject& object : inventory.objects) objects.push_back(object.id);
+  for (const InventoryRow& row : inventory.rows) {
+    if (!row.residual) parts.push_back(row.part);
+  }
+  give_length(question, "objects", objects.size());
+  give_length(question, "rows", parts.size());
+  give_values(question, "objects", "id", objects);
+  give_values(question, "rows", "object", objects);
+  give_values(question, "rows", "part", parts);
+}
+
 }  // namespace
 
 std::string inventory_rejection(const Json& answer, const Inventory* registered) {
@@ -143,6 +170,7 @@ Json ChatAgent::propose(const Inventory* registered, Inventory& inventory) {
   question.text = "The scene: " + subject.dump() + "\nThe front view follows.";
   question.images = {encode_png(pictures_[0].rgb)};
   question.schema = "scene_reply";
+  if (registered != nullptr) give_inventory(question, *registered);
   question.reject = [&](const Json& answer) -> std::string {
     const std::string why = inventory_rejection(answer, registered);
     if (!why.empty()) return why;
@@ -177,6 +205,9 @@ Queries ChatAgent::plan_perception(Inventory& inventory, const std::vector<std::
       "The views: " + Json(view_names()).dump() + "\nThe keys: " + things.dump() + "\nThe sheet of views follows.";
   question.images = {encode_png(view_sheet(pictures_))};
   question.schema = "perception_reply";
+  give_length(question, "queries", keys.size());
+  give_values(question, "queries", "key", keys);
+  question.given.push_back({"/properties/queries/items/properties/visible_views/items", {{"enum", view_names()}}});
   question.reject = [&](const Json& answer) { return query_rejection(answer, keys, view_names()); };
   const Json answer = ask(question, missed.empty() ? "the views" : "what the first segmentation missed");
   Queries queries;

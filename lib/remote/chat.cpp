@@ -117,7 +117,7 @@ Json ChatClient::request_body(const Question& question, const Rejected* rejected
   Json schema = schema_document(question.schema);
   schema.erase("$schema");
   if (manner_.given) {
-    for (const auto& [field, value] : question.given) schema["properties"][field] = {{"enum", {value}}};
+    for (const auto& [pointer, value] : question.given) schema[Json::json_pointer(pointer)] = value;
   }
   std::string text = question.text;
   if (manner_.schema_in_text)

@@ -18,9 +18,9 @@ struct Question {
   std::string text;                 // the user message
   std::vector<std::string> images;  // PNG files, after the text
   std::string schema;               // the answer's schema, schemas/SCHEMA.json
-  // Fields of the answer that the question decides, with their only values: a server that holds answers to the schema
-  // then holds them to these.
-  std::vector<std::pair<std::string, std::string>> given;
+  // What the question decides of the answer, as JSON pointers into the schema and what stands there then: a field's only
+  // values, a list's length. A server that holds answers to the schema then holds them to these.
+  std::vector<std::pair<std::string, Json>> given;
   // Why an answer that fits the schema is not acceptable; empty when it is. Optional.
   std::function<std::string(const Json&)> reject;
 };

@@ -18,6 +18,10 @@ action = plan["actions"][0]
 # "the ball" is resolved, 100 m/s is bounded, and both are said; left is left in the front view.
 assert action["target"] == "toy/ball" and action["magnitude"] == 3 and action["direction"][0] < -0.99, action
 assert len(plan["corrections"]) == 2 and plan["proposal"]["actions"][0]["target"] == "the ball"
+# What was asked about stands in the schema that the server may hold answers to.
+asked = json.load(open("exchanges/ground_perception_1.json"))["request"]["body"]["response_format"]["json_schema"]["schema"]["properties"]["queries"]
+assert asked["minItems"] == asked["maxItems"] == 3 and asked["items"]["properties"]["key"] == {"enum": ["toy", "toy/ball", "toy/box"]}, asked
+assert asked["items"]["properties"]["visible_views"]["items"] == {"enum": ["front", "right", "back", "left"]}, asked
 PY
   stop_server
   mv run live
@@ -30,6 +34,13 @@ PY
   serve good
   ground --agent "$url" --model tester
   grep -q '"structural_role"' run/inventory.json
+  python3 - <<'PY'
+import json
+asked = json.load(open("exchanges/ground_schema_1.json"))["request"]["body"]["response_format"]["json_schema"]["schema"]["properties"]
+assert (asked["objects"]["maxItems"], asked["rows"]["minItems"], asked["rows"]["maxItems"]) == (1, 2, 2), asked
+assert asked["objects"]["items"]["properties"]["id"] == asked["rows"]["items"]["properties"]["object"] == {"enum": ["toy"]}, asked
+assert asked["rows"]["items"]["properties"]["part"] == {"enum": ["ball", "box"]}, asked
+PY
   stop_server
   rm -r run exchanges
   serve unknown-row

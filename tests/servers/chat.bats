@@ -40,3 +40,24 @@ teardown() { end_server; }
   grep -qE 'ok +text' said
   grep -qE 'no +pictures .*image input is not supported' said
 }
+
+@test "real: llama.cpp as scene agent and material agent of a whole run, which replays to the same bytes" {
+  start_server llamacpp "$BATS_TEST_DIRNAME/tiny_chat.py"
+  is_ready /health
+  edit_json scene/scene.json "del d['inventory']"
+  # At temperature 0 it gives the first key twice: the schema cannot forbid that, so it is told, says it again, and that is the end.
+  fails_with 4 ground --agent "$server_url/v1" --model tiny -- "ground_perception: no acceptable answer in 2 asks" '"r" twice'
+  grep -q "Your last answer was rejected" exchanges/ground_perception_2.json
+  echo '{"temperature": 1, "top_k": 0, "top_p": 1, "min_p": 0, "seed": 4}' >body.json
+  whole() { # RUN AGENT
+    env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make --no-print-directory -f "$root/pipelines/installed.mk" BIN="$bin" THREADS=1 run SCENE=scene/scene.json RUN="$1" \
+      SCENE_AGENT="$2" AGENT="$2" BODY=body.json SET="time.frames=4 screening.initial=1 screening.rounds=1 screening.tau=-9 render.width=64 render.height=64" "${@:3}"
+  }
+  whole run "$server_url/v1" MODEL=tiny
+  grep -q '"part": "r"' run/inventory.json
+  grep -q "the agent abstained" run/evidence.json
+  [ -s run/accepted.json ]
+  end_server
+  whole again "replay:$PWD/run/exchanges"
+  for file in inventory.json plan.json masks.h5 evidence.json; do cmp "run/$file" "again/$file"; done
+}

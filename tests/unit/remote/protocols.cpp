@@ -65,7 +65,7 @@ Question question() {
   q.name = "q";
   q.schema = "material_reply";
   q.images = {"PNG"};
-  q.given = {{"key", "a/b"}};
+  q.given = {{"/properties/key", {{"enum", {"a/b"}}}}};
   return q;
 }
 
