@@ -2,6 +2,7 @@
 # batch-job.sh BATCH RUN JOB COMMAND...: a job of a scene of a batch. What it prints is in the scene's log; that it runs, and how long it
 # took, is in BATCH/.live for batch-status.sh. Where it fails, so has the scene.
 set -u
+source "${BASH_SOURCE[0]%/*}/wait-for.sh"
 batch=$1 run=$2 job=$3
 shift 3
 live=$batch/.live mark=$batch/.live/running/${run##*/}@$job
@@ -12,11 +13,7 @@ printf '%s %s %s\n' "$began" "${HOSTNAME:-}" $$ >"$mark"
 "$@" >>"$run/log.txt" 2>&1 &
 command=$!
 trap 'kill -TERM $command 2>/dev/null' INT TERM HUP
-while true; do
-  wait $command
-  status=$?
-  if ! kill -0 $command 2>/dev/null; then break; fi
-done
+wait_for $command
 rm -f -- "$mark"
 # Seconds with three decimals since a time with six.
 since() { local span=$((${EPOCHREALTIME/[.,]/} - ${1/[.,]/})); printf '%d.%03d' $((span / 1000000)) $((span / 1000 % 1000)); }

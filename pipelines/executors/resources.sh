@@ -1,7 +1,7 @@
 # The table of resources (resources.txt), for the executor slurm. Sourced.
 
-# resources_of STAGE FILE...: sets here (1 or empty), cores, memory (MiB), seconds, gpus and options (an array) from the last line that names
-# the stage, else from that of `default`. Fails with a message in `complaint` where such a line cannot be read.
+# resources_of STAGE FILE...: sets here (1 or empty), cores, memory (MiB), seconds, gpus, options (an array) and resources_at (FILE:LINE) from the
+# last line that names the stage, else from that of `default`. Fails with a message in `complaint` where such a line cannot be read.
 resources_of() {
   local stage=$1 file line number=0 found= found_at= fallback= fallback_at=
   shift
@@ -17,6 +17,7 @@ resources_of() {
     done <"$file"
   done
   if [ -z "$found_at" ]; then found=$fallback found_at=$fallback_at; fi
+  resources_at=$found_at
   read_resources "$found" || { complaint="$found_at: $complaint"; return 1; }
 }
 

@@ -217,7 +217,7 @@ while true; do
     fi
     fail 137 "out of memory: its $memory MiB on ${node:-its node} were too few; give the stage $stage more memory (RESOURCES), or RETRY=memory"
   elif [ -n "$status" ] && [ "$ended" != inputs ] && [ "$status" -ne 75 ] &&
-    ! { [ "$status" -gt 128 ] && slurm_said 'CANCELLED AT|Node failure|step aborted'; }; then
+    ! { [ "$status" -gt 128 ] && { [ "$ended" = signal ] || slurm_said 'CANCELLED AT|Node failure|step aborted'; }; }; then
     # A disk that is full on one node is none of the command's faults.
     if [ "$status" -eq 3 ] && [ $lost -lt 3 ] && grep -qE 'No space left on device|is the disk full' "$note.messages"; then
       why="no space left on the device of $node"
@@ -231,7 +231,7 @@ while true; do
   elif slurm_said 'CANCELLED AT' && ! slurm_said 'CANCELLED AT .* DUE TO (PREEMPTION|NODE FAILURE|JOB REQUEUE)'; then
     show
     fail 130 "was cancelled on ${node:-its node}"
-  elif slurm_said 'nvalid (account|partition|qos|job id)|More processors requested|ode configuration is not available|violates accounting|has expired|already completing|Memory required by task|Required node not available|Access/permission denied|Could not establish a configuration'; then
+  elif slurm_said 'nvalid (account|partition|qos|job id|feature|generic resource|reservation|license)|More processors requested|ode configuration is not available|violates accounting|has expired|already completing|Memory required by task|Required node not available|Access/permission denied|Could not establish a configuration'; then
     if [ ${#excluded[@]} -gt 0 ]; then excluded=(); continue; fi
     show all
     fail 2 "Slurm does not take it: see the line above"

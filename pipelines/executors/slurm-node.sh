@@ -4,10 +4,12 @@
 # token: nobody waits for it any more.
 #
 # NOTE.ended, a word and its values per line: token, node, width (of the processor's registers, as far as the tools use them),
-# seconds, status (the command's), ended (time, lease, inputs: why it was not let go on), input SHA256 NAME, output SIZE NAME.
+# seconds, status (the command's), ended (time, lease, inputs, signal: why it was not let go on), input SHA256 NAME, output SIZE NAME.
 set -u
 note=$1 token=$2
-source "${BASH_SOURCE[0]%/*}/job-files.sh"
+scripts=${BASH_SOURCE[0]%/*}
+source "$scripts/job-files.sh"
+source "$scripts/../wait-for.sh"
 patience=${PM_PATIENCE:-60}
 node=${SLURMD_NODENAME:-$HOSTNAME}
 
@@ -94,12 +96,8 @@ tool=$!
 ) >/dev/null 2>&1 &
 watch=$!
 # Slurm ends a job with SIGTERM: the tool removes what is half written.
-trap 'kill -TERM $tool 2>/dev/null' TERM INT HUP
-while true; do
-  wait $tool
-  status=$?
-  if ! kill -0 $tool 2>/dev/null; then break; fi
-done
+trap 'reason=${reason:-signal}; kill -TERM $tool 2>/dev/null' TERM INT HUP
+wait_for $tool
 kill $watch 2>/dev/null
 if [ "$reason" = lease ]; then exit 75; fi
 if [ ${#outputs[@]} -gt 0 ]; then

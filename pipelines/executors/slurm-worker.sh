@@ -9,7 +9,7 @@ source "$scripts/job-files.sh"
 mkdir -p -- "$mine"
 # Of a worker that was preempted or whose node was lost.
 for entry in "$mine"/*; do
-  if [ -e "$entry" ]; then mv -- "$entry" "$queue/lost/"; fi
+  if [ -e "$entry" ]; then rm -f -- "$entry" && : >"$queue/lost/${entry##*/}"; fi
 done
 running=
 trap 'if [ -n "$running" ]; then kill -TERM "$running"; fi; exit 143' TERM

@@ -52,10 +52,11 @@ export make make_start queue count array
     beat=$((beat + 1))
     echo $beat >"$queue/beat"
     if [ $((beat % 5)) -ne 0 ]; then continue; fi
-    # Who there is; where Slurm does not say, all.
-    running=$(timeout 20 squeue --noheader --array --jobs "$array" --format '%K' 2>/dev/null) || {
-      if timeout 20 scontrol ping >/dev/null 2>&1; then running=; else continue; fi
+    # Who there is; where Slurm does not say, all. One that was requeued waits again.
+    there=$(timeout 20 squeue --noheader --array --jobs "$array" --format '%t %K' 2>/dev/null) || {
+      if timeout 20 scontrol ping >/dev/null 2>&1; then there=; else continue; fi
     }
+    running=$(sed -n '/^PD /!s/^[^ ]* //p' <<<"$there")
     for worker in "$queue"/taken/*; do
       [ -d "$worker" ] || continue
       if grep -qx -- "${worker##*/}" <<<"$running"; then continue; fi
@@ -66,7 +67,7 @@ export make make_start queue count array
         mv -- "$queue/lost/${entry##*/}.new" "$queue/lost/${entry##*/}"
       done
     done
-    if [ -z "$running" ]; then submit; fi
+    if [ -z "$there" ]; then submit; fi
   done
   (unset SLURM_JOB_ID; cancel "$(<"$queue/name")")
   rm -rf -- "$queue"

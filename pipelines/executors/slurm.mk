@@ -32,6 +32,15 @@ ifneq ($(filter refused,$(resource_words)),)
   $(error $(call said,$(wordlist 2,99,$(resource_words))))
 endif
 
+# What no node has is refused before anything runs. Workers of an array take all jobs, and only `evaluate` has references and results.
+asked_stages := $(if $(filter-out 0,$(ARRAY)),worker,$(filter-out worker $(if $(filter evaluate%,$(MAKECMDGOALS)),,synth reference result),$(foreach w,$(resource_words),$(firstword $(subst =, ,$(w))))))
+ifeq ($(MAKE_RESTARTS)$(DRY),)
+  refusal := $(shell PM_RESOURCES='$(resource_files)' bash $(SLURM_FOLDER)slurm-limits.sh $(asked_stages))
+  ifneq ($(refusal),)
+    $(error $(call said,$(refusal)))
+  endif
+endif
+
 # The stage of a job: simulate-support-stiff -> simulate, screen0 -> screen.
 stage_of = $(patsubst %0,%,$(patsubst %1,%,$(patsubst %2,%,$(firstword $(subst -, ,$(1))))))
 cores_of = $(patsubst $(stage_of)=%,%,$(or $(filter $(stage_of)=%,$(resource_words)),$(patsubst default=%,$(stage_of)=%,$(filter default=%,$(resource_words)))))

@@ -1,12 +1,16 @@
 # A real Slurm of three virtual nodes on this machine (tests/cluster/slurm.sh), for the tests of the executor `slurm`.
 
-# For setup_file and teardown_file.
+# For setup_file and teardown_file. A second partition, urgent, takes the nodes from the first, and gives at most an hour; what `prolog`
+# prints on a node is Slurm's, `export NAME=value` for the node's tasks.
 start_cluster() {
   if ! command -v srun >/dev/null || ! PATH=$PATH:/usr/sbin command -v slurmctld >/dev/null; then
     echo "the executor slurm is tested with a real Slurm: apt-get install slurm-wlm munge" >&2
     return 1
   fi
-  "$root/tests/cluster/slurm.sh" start "$BATS_FILE_TMPDIR/slurm" 3 2 3>&-
+  printf '#!/bin/bash\ncat "%s/prolog.$SLURMD_NODENAME" 2>/dev/null\nexit 0\n' "$BATS_FILE_TMPDIR" >"$BATS_FILE_TMPDIR/prolog"
+  chmod +x "$BATS_FILE_TMPDIR/prolog"
+  "$root/tests/cluster/slurm.sh" start "$BATS_FILE_TMPDIR/slurm" 3 2 PreemptType=preempt/partition_prio PreemptMode=REQUEUE \
+    "PartitionName=urgent Nodes=ALL PriorityTier=10 MaxTime=60" "TaskProlog=$BATS_FILE_TMPDIR/prolog" 3>&-
   export SLURM_CONF=$BATS_FILE_TMPDIR/slurm/slurm.conf
 }
 stop_cluster() { "$root/tests/cluster/slurm.sh" stop "$BATS_FILE_TMPDIR/slurm"; }

@@ -17,7 +17,7 @@ teardown_file() { stop_cluster; }
 
 setup() {
   cd "$BATS_FILE_TMPDIR" || return 1
-  rm -rf run batch tricks
+  rm -rf run batch tricks path prolog.*
   mkdir tricks
   for daemon in slurmctld n1 n2 n3; do slurm revive $daemon; done
 }
@@ -189,14 +189,173 @@ TRICK
   same_results local/run run
 }
 
+@test "cluster: what no node has is refused before anything runs, with the line of the table" {
+  for case in 'lift: 99 cores, 1 GiB, 2 min|lift asks for 99 cores and 1024 MiB, which no node of the partition all has: the largest, n1 has 2 cores and 4000 MiB' \
+    'lift: 1 core, 99 GiB, 2 min|lift asks for 1 cores and 101376 MiB, which no node of the partition all has' \
+    'lift: 1 core, 1 GiB, 2 h, --partition=urgent|lift asks for 7200 s: the partition urgent gives 1:00:00'; do
+    cp resources table
+    echo "${case%|*}" >>table
+    run run_make EXECUTOR=slurm RESOURCES=table run SCENE=a/scene.json SPEC=spec.json RUN=run
+    echo "$output"
+    [ "$status" -eq 2 ]
+    [ "${#lines[@]}" -eq 1 ]
+    [[ $output = *"table:$(wc -l <table): ${case#*|}"*RESOURCES* ]]
+    [ ! -e run ]
+  done
+  # What this goal does not ask for may be anything, and so may a Slurm that does not answer.
+  limits() { PM_RESOURCES="resources table" bash "$root/pipelines/executors/slurm-limits.sh" "$@"; }
+  limits simulate render default
+  refute limits simulate lift
+  SLURM_CONF=/nowhere limits lift
+}
+
 @test "cluster: Slurm's refusals come at once and in its words" {
-  cp resources table
-  echo 'lift: 1 core, 99 GiB, 2 min' >>table
-  run run_make EXECUTOR=slurm RESOURCES=table run SCENE=a/scene.json SPEC=spec.json RUN=run
-  echo "$output"
-  [ "$status" -ne 0 ]
-  [[ $output = *"srun: error: "*"run/lift: error: Slurm does not take it"* ]]
+  for option in --constraint=nothing "1 gpu"; do
+    cp resources table
+    echo "lift: 1 core, 300 MiB, 2 min, $option" >>table
+    run run_make EXECUTOR=slurm RESOURCES=table run SCENE=a/scene.json SPEC=spec.json RUN=run
+    echo "$output"
+    [ "$status" -ne 0 ]
+    [[ $output = *"srun: error: "*"Invalid "*"run/lift: error: Slurm does not take it"* ]]
+    nothing_left run
+    rm -r run
+  done
+}
+
+@test "cluster: a job that is preempted or requeued is done again" {
+  for how in "preempt 0" "preempt 3" "requeue 3"; do
+    rm -rf run tricks/*
+    cat >tricks/pm-simulate.before <<'TRICK'
+if mkdir "$tricks/victim" 2>/dev/null; then echo "$node" >"$tricks/node"; sleep 60; fi
+TRICK
+    run_slurm -j4 run SCENE=a/scene.json SPEC=spec.json RUN=run ARRAY="${how#* }" >log 2>&1 3>&- &
+    make=$!
+    for _ in {1..200}; do [ ! -s tricks/node ] || break; sleep 0.1; done
+    node=$(<tricks/node)
+    case $how in
+      preempt*) srun --quiet --partition=urgent --nodelist="$node" --nodes=1 --ntasks=1 --cpus-per-task=2 --mem=3900 --time=1 true ;;
+      requeue*) scontrol requeue "$(squeue --noheader --array --states=running --nodelist="$node" --format=%i | head -n 1)" ;;
+    esac
+    wait $make || { cat log; return 1; }
+    nothing_left run || { cat log; return 1; }
+    same_results local/run run
+    cat log
+    grep -q "lost with $node; once more" log
+  done
+}
+
+@test "cluster: files that are seen late are waited for, and not for ever" {
+  # The node's own look at what it wrote takes a file away from all others, but for its beginning; `give_back` brings it a while later.
+  mkdir path
+  cat >path/stat <<STAT
+#!/bin/bash
+tricks=$(printf %q "$PWD/tricks")
+format=\$2 last=\${!#}
+if [ -n "\${SLURMD_NODENAME:-}" ] && [ -e "\$tricks/blind" ] && [[ \$format = %s && \$* = *rollouts/*.h5* ]]; then exit 1; fi
+$(command -v stat) "\$@"
+status=\$?
+if [ -n "\${SLURMD_NODENAME:-}" ] && [ -d "\$tricks/late" ] && [ "\$format" = '%s %n' ]; then
+  for file; do
+    if [[ \$file = *rollouts/*.h5 ]]; then
+      id=\$\$
+      mv "\$file" "\$tricks/late/\$id.file"
+      head -c 100 "\$tricks/late/\$id.file" >"\$file"
+      echo "\$PWD/\$file" >"\$tricks/late/\$id.name"
+      echo "\$file" >>"\$tricks/hidden"
+    fi
+  done
+fi
+exit \$status
+STAT
+  chmod +x path/stat
+  give_back() { # SECONDS
+    local name
+    while [ -d tricks/late ]; do
+      for name in $(find tricks/late -name '*.name' ! -newermt "-$1 seconds"); do mv "${name%.name}.file" "$(<"$name")"; rm "$name"; done
+      sleep 0.2
+    done
+  }
+  late() { PATH=$PWD/path:$PATH run_slurm -j4 run SCENE=a/scene.json SPEC=spec.json RUN=run "$@" >log 2>&1; }
+  mkdir tricks/late
+  give_back 3 3>&- &
+  giver=$!
+  late || { cat log; return 1; }
+  [ "$(wc -l <tricks/hidden)" -eq 2 ]
+  same_results local/run run
+  rmdir tricks/late
+  wait $giver
+
+  # Longer than there is patience.
+  rm -rf run
+  mkdir tricks/late
+  give_back 9 3>&- &
+  giver=$!
+  refute_late() { if late "$@"; then return 1; fi; cat log; }
+  refute_late PATIENCE=2
+  grep -qE 'run/simulate-[a-z-]*: error: run/rollouts/[a-z-]*\.h5 was not seen here with its [0-9]+ bytes within 2 s after n[123] wrote it' log
   nothing_left run
+  until rmdir tricks/late 2>/dev/null; do sleep 0.2; done
+  wait $giver
+  late
+  same_results local/run run
+
+  # What a node has to read.
+  rm -rf run
+  touch tricks/blind
+  late PATIENCE=2 3>&- &
+  make=$!
+  for _ in {1..300}; do if grep -q 'lost with n[123]; once more' log; then break; fi; sleep 0.1; done
+  cat log
+  grep -qE 'n[123]: not all of .*rollouts/.*\.h5.* were seen as they are within 2 s' log
+  rm tricks/blind
+  wait $make
+  same_results local/run run
+}
+
+@test "cluster: nodes of different width are named in the records and by the batch" {
+  echo 'export PM_KERNELS=sse2' >prolog.n2
+  run_slurm -j6 batch SCENES="$scenes" SPEC=spec.json BATCH=batch >log 2>&1
+  cat log
+  grep -qE 'differ in width \(([a-z0-9]+ on n[13], )*sse2 on n2(, [a-z0-9]+ on n[13])*\): the last digits of their results may differ' log
+  [ -n "$(grep -l '^n2 sse2 ' batch/*/.stamps/*.ran)" ]
+  # The same kernels for all are one word of make's environment.
+  rm -rf batch prolog.n2
+  PM_KERNELS=sse2 run_slurm -j6 batch SCENES="$scenes" SPEC=spec.json BATCH=batch >log 2>&1
+  refute grep -q 'differ in width' log
+  refute grep -qv ' sse2 ' batch/*/.stamps/*.ran
+}
+
+@test "cluster: an evaluation has the tables of one machine" {
+  mkdir -p suite
+  cp "$root/tests/data/tiny.json" suite/good.json
+  cat >suite/reference.json <<'JSON'
+{"schema": "physmas/configuration/1", "settings": [],
+ "rows": {"lollipop/candy": {"branch": "Jelly", "E": 1e5, "nu": 0.4, "rho": 1100}, "lollipop/stick": {"branch": "Metal", "E": 1e6, "nu": 0.3, "rho": 700}},
+ "actions": []}
+JSON
+  cat >suite/suite.json <<'JSON'
+{"schema": "physmas/suite/1", "settings": ["render.width=64", "render.height=64", "time.frames=3", "grid.n=24"],
+ "methods": [{"id": "full", "name": "Full", "settings": ["screening.initial=2", "screening.rounds=1", "screening.tau=-9"]}],
+ "comparison": ["full"], "required": ["trajectory_nrmse"],
+ "cases": [{"id": "good", "kind": "multi-part", "example": "good.json", "reference": "reference.json", "objects": ["lollipop"]}]}
+JSON
+  "$bin/pm-eval" suite --suite suite/suite.json --register
+  cp resources table
+  for stage in synth reference result; do echo "$stage: 1 core, 300 MiB, 5 min"; done >>table
+  run_make evaluate SUITE=suite/suite.json EVALUATE=evaluate >log 2>&1 || { cat log; return 1; }
+  mv evaluate local-evaluate
+  : >tricks/calls
+  run_slurm -j4 evaluate SUITE=suite/suite.json EVALUATE=evaluate RESOURCES=table >log 2>&1 || { cat log; return 1; }
+  nothing_left evaluate
+  grep -qE '^n[123] pm-simulate .*reference' tricks/calls
+  grep -qE '^n[123] pm-eval motion' tricks/calls
+  # All but seconds: tables have them.
+  without_seconds() { sed -E 's/"seconds": [0-9.e-]+//' "$1/evaluation.json"; }
+  grep -q trajectory_nrmse evaluate/evaluation.json
+  diff <(without_seconds local-evaluate) <(without_seconds evaluate)
+  for folder in local-evaluate evaluate; do rm -r $folder/evaluation.json $folder/results $folder/tables/{cases,table3,times}.* $folder/good/full/inputs; done
+  same_results local-evaluate evaluate
+  rm -rf local-evaluate evaluate suite
 }
 
 @test "cluster: what runs where can be seen" {

@@ -70,3 +70,34 @@ T
   refute grep -rq geheim .
   [ -z "$(find run -name '*.job*')" ]
 }
+
+@test "slurm: an out-of-memory kill is called so in each of Slurm's words, and only in Slurm's" {
+  mkdir -p run/.stamps
+  cat >path/srun <<'SRUN'
+#!/bin/bash
+printf '%s ' "$@" >>srun.log
+echo >>srun.log
+cat said >&2
+exit 137
+SRUN
+  job() { PM_RESOURCES="$root/pipelines/executors/resources.txt" PM_PATIENCE=1 bash "$root/pipelines/executors/slurm-job.sh" lift lift "" "" "$PWD/run/.stamps/lift.log" $$ -- pm-lift; }
+  for said in 'slurmstepd-n1: error: Detected 1 oom_kill event in StepId=12.0. Some of the step tasks have been OOM Killed.' \
+    'slurmstepd: error: Detected 2 oom-kill event(s) in StepId=12.0. Some of your processes may have been killed by the cgroup out-of-memory handler.' \
+    'srun: error: n1: task 0: Out Of Memory' 'slurmstepd: error: StepId=12.0 exceeded memory limit (9000 > 4096), being killed'; do
+    echo "$said" >said
+    : >srun.log
+    run job
+    echo "$output"
+    [ "$status" -eq 137 ]
+    [[ $output = *"run/lift: error: out of memory: its 4096 MiB on its node were too few"*RETRY=memory* ]]
+    [ "$(wc -l <srun.log)" -eq 1 ]
+  done
+  PM_RETRY=memory run job
+  [ "$status" -eq 137 ]
+  [[ $output = *"once more with 8192 MiB"*"its 8192 MiB"* ]]
+  grep -q -- '--mem=8192M' srun.log
+  # Of the command's own words nothing follows: it was lost with its node.
+  echo 'pm-lift: Out Of Memory' >said
+  timeout 8 bash -c 'export PM_RESOURCES=$1/pipelines/executors/resources.txt PM_PATIENCE=1; bash "$1/pipelines/executors/slurm-job.sh" lift lift "" "" "$PWD/run/.stamps/lift.log" $$ -- pm-lift' - "$root" >log 2>&1 || true
+  grep -q 'lost with its node; once more' log
+}

@@ -114,7 +114,7 @@ wait_for_nodes() {
   local count
   count=$(wc -l <"$folder/nodes")
   for _ in {1..300}; do
-    if [ "$(sinfo -h -N -o '%T' 2>/dev/null | grep -cE '^(idle|mixed|allocated)')" -eq "$count" ]; then return 0; fi
+    if [ "$(sinfo -h -N -o '%N %T' 2>/dev/null | sort -u | grep -cE ' (idle|mixed|allocated)')" -eq "$count" ]; then return 0; fi
     sleep 0.1
   done
   echo "slurm.sh: not all nodes came up: see $folder/log" >&2
