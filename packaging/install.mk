@@ -35,7 +35,7 @@ shared = $(foreach f,$(1),$(f)=share/physmas/$(f))
 INSTALLED := $(foreach t,$(TOOLS),$(BIN)/$(t)=bin/$(t)) \
   $(foreach f,$(MAN_PAGES) $(COMPLETIONS),$(f)=$(f:$(BUILD)/%=%)) \
   $(call shared,$(filter-out pipelines/installed.mk,$(wildcard pipelines/*.mk pipelines/*.sh pipelines/*/*.mk pipelines/*/*.sh pipelines/*/*.txt))) \
-  $(call shared,$(wildcard schemas/*.json schemas/*.md examples/*.json examples/*.sha256 examples/*/*.json examples/*/*.py)) \
+  $(call shared,$(wildcard schemas/*.json schemas/*.md examples/*.json examples/*.sha256 examples/*/*.json examples/*/*.py examples/servers/triton-models/*/config.pbtxt examples/servers/triton-models/*/1/model.py)) \
   $(patsubst %,%=share/physmas/physmas.mk,$(wildcard pipelines/installed.mk)) \
   $(foreach f,LICENSE $(wildcard *.md *.cff docs/*.md docs/*.cff docs/images/*),$(f)=share/doc/physmas/$(f:docs/%=%))
 

@@ -77,6 +77,23 @@ has_perception() { # FLAGS...
   has_perception
 }
 
+@test "real: tritonserver on the model repository of examples/servers" {
+  cp -r "$root/examples/servers/triton-models" .
+  sed -i 's/models:GroundingDino/stand_ins:Detector/; s/models:Sam2/stand_ins:Segmenter/' triton-models/*/config.pbtxt
+  [ "$(grep -c stand_ins triton-models/*/config.pbtxt | grep -c ':1$')" -eq 2 ]
+  start_server triton "$BATS_TEST_DIRNAME/serve_repository.py" "$PWD/triton-models"
+  is_ready grounding-dino sam2
+  "$bin/pm-ground" check "$server_url" >said
+  cat said
+  grep -qE 'ok +grounding-dino +answers .*boxes' said
+  has_perception
+  has_perception --tensors binary
+  # Its words, and it goes on.
+  copy_bundle
+  edit_json scene/inventory.json "d['rows'][0]['name'] = 'crash'"
+  fails_with 4 ground --perception "$url" -- "out of memory in the detector"
+}
+
 @test "real: KServe's model server says nothing of its tensors" {
   start_server kserve serve_kserve.py stand_ins:Predictor stand_ins:Detector stand_ins:Segmenter
   is_ready predictor grounding-dino sam2
