@@ -34,8 +34,8 @@ start_server() {
   case $script in */*) set -- "$script" "$port" "$@" ;; *) set -- "$root/examples/servers/$script" "$@" --port "$port" ;; esac
   cd "$BATS_TEST_TMPDIR" || return 1
   unset http_proxy HTTP_PROXY all_proxy ALL_PROXY PM_API_KEY
-  # In a session of its own: Triton and KServe start processes.
-  PYTHONPATH=$root/examples/servers:$root/tests/servers setsid "$place/bin/python" "$@" >server.log 2>&1 3>&- &
+  # In a session of its own: Triton and KServe start processes. Byte code is kept apart from the sources.
+  PYTHONPATH=$root/examples/servers:$root/tests/servers PYTHONPYCACHEPREFIX=$PM_SERVERS/byte-code PYTHONDONTWRITEBYTECODE='' setsid "$place/bin/python" "$@" >server.log 2>&1 3>&- &
   server=$!
   server_url=http://127.0.0.1:$port
   url=$server_url/v2/models

@@ -1,5 +1,6 @@
 """tritonserver itself, as pytriton's wheel carries it, on a model repository: serve_repository.py PORT REPOSITORY"""
 
+import glob
 import os
 import shutil
 import sys
@@ -14,7 +15,12 @@ shutil.copytree(os.path.join(wheel, "backends"), "backends")
 stub = "python_backend_stubs/%d.%d/triton_python_backend_stub" % sys.version_info[:2]
 shutil.copy(os.path.join(wheel, stub), "backends/python")
 os.environ["LD_LIBRARY_PATH"] = os.path.join(site, "nvidia_pytriton.libs")
-os.environ["PYTHONPATH"] = os.pathsep.join([os.environ["PYTHONPATH"], site])
+# The stub takes no word of the environment, and writes byte code beside what it reads.
+os.mkdir("modules")
+for folder in os.environ["PYTHONPATH"].split(os.pathsep):
+    for module in glob.glob(os.path.join(folder, "*.py")):
+        shutil.copy(module, "modules")
+os.environ["PYTHONPATH"] = os.pathsep.join([os.path.abspath("modules"), site])
 server = os.path.join(wheel, "bin", "tritonserver")
 os.execv(
     server,
