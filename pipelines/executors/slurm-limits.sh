@@ -37,7 +37,7 @@ for stage; do
     }
     END {
       if (!seen) exit
-      if (!fits) printf "%s asks for %d cores and %d MiB, which no node %s has: the largest, %s", stage, cores, memory, partition == "any" ? "of the allocation" : "of the partition " of, best
+      if (!fits) printf "%s asks for %d core%s and %d MiB, which no node %s has: the largest, %s", stage, cores, cores == 1 ? "" : "s", memory, partition == "any" ? "of the allocation" : "of the partition " of, best
       else if (!in_time) printf "%s asks for %d s: the partition %s", stage, seconds, shortest
     }' <<<"$nodes")
   if [ -n "$refusal" ]; then

@@ -191,7 +191,7 @@ TRICK
 
 @test "cluster: what no node has is refused before anything runs, with the line of the table" {
   for case in 'lift: 99 cores, 1 GiB, 2 min|lift asks for 99 cores and 1024 MiB, which no node of the partition all has: the largest, n1 has 2 cores and 4000 MiB' \
-    'lift: 1 core, 99 GiB, 2 min|lift asks for 1 cores and 101376 MiB, which no node of the partition all has' \
+    'lift: 1 core, 99 GiB, 2 min|lift asks for 1 core and 101376 MiB, which no node of the partition all has' \
     'lift: 1 core, 1 GiB, 2 h, --partition=urgent|lift asks for 7200 s: the partition urgent gives 1:00:00'; do
     cp resources table
     echo "${case%|*}" >>table
