@@ -24,6 +24,9 @@ token_in() {
   printf '%s' "$token"
 }
 
+# no_slurm: its configuration was named and is gone, as after a test.
+no_slurm() { [ -n "${SLURM_CONF:-}" ] && [ ! -e "$SLURM_CONF" ]; }
+
 # cancel NAME: the job or step that is called so, for as long as that takes, beside what goes on here.
 cancel() { setsid bash "${BASH_SOURCE[0]%/*}/slurm-cancel.sh" "$1" </dev/null >/dev/null 2>&1 & }
 

@@ -7,7 +7,7 @@ source "${BASH_SOURCE[0]%/*}/job-files.sh"
 let_go_of_pipes
 trap '' INT HUP
 gone=0
-until [ $gone -ge 3 ] || [ $SECONDS -gt 1800 ]; do
+until [ $gone -ge 3 ] || [ $SECONDS -gt 1800 ] || no_slurm; do
   if [ -n "${SLURM_JOB_ID:-}" ]; then
     # An allocation that has ended has no steps.
     list=$(timeout 20 squeue --steps --noheader --job "$SLURM_JOB_ID" --format '%i|%j' 2>&1) || { case $list in *"Invalid job id"*) exit 0 ;; esac; list=unknown; }

@@ -8,10 +8,16 @@ source "${BASH_SOURCE[0]%/*}/job-files.sh"
 let_go_of_pipes
 trap '' INT HUP
 make_start=$(start_of "$make")
-clean=0 looks=0
+clean=0 ended=
 # Where Slurm does not answer any more, ten minutes.
-while [ $looks -lt 200 ] && { lives "$make" "$make_start" || [ $clean -lt 3 ]; }; do
-  if lives "$make" "$make_start"; then nap 10; else nap 3; looks=$((looks + 1)); fi
+while ! no_slurm; do
+  if lives "$make" "$make_start"; then
+    nap 10
+  else
+    ended=${ended:-$SECONDS}
+    if [ $clean -ge 3 ] || [ $((SECONDS - ended)) -gt 600 ]; then break; fi
+    nap 3
+  fi
   if [ -n "${SLURM_JOB_ID:-}" ]; then
     list=$(timeout 20 squeue --steps --noheader --job "$SLURM_JOB_ID" --format '%i|%j' 2>&1) || { case $list in *"Invalid job id"*) exit 0 ;; esac; clean=0; continue; }
   else

@@ -8,7 +8,7 @@ setup() {
   # What Slurm does not take is not tried again.
   printf '#!/bin/bash\nprintf "%%s " "$@" >>%q\necho >>%q\necho "srun: error: Invalid partition name" >&2\nexit 1\n' "$PWD/srun.log" "$PWD/srun.log" >path/srun
   chmod +x path/srun
-  export PATH=$PWD/path:$PATH
+  export PATH=$PWD/path:$PATH SLURM_CONF=$PWD/none
   "$bin/pm-scene" synth "$root/tests/data/tiny.json" --out scene --quiet
 }
 
