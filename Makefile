@@ -431,10 +431,13 @@ $(BUILD)/bench/%: $(BUILD)/obj/tests/bench/%.o $(LIBRARIES)
 
 # Measure on a quiet machine; `make accuracy DOCS=1` also puts the plots of docs/numerics.md in their place.
 ACCURACY ?= runs/accuracy
-.PHONY: accuracy verification error-study
+.PHONY: accuracy verification error-study stiff
 accuracy: $(BIN)/pm-eval ## Error of the solver against run time: JSON, CSV and plots in runs/accuracy: [DEVICE=cuda]
 	$(Q)$(BIN)/pm-eval accuracy --out $(ACCURACY) $(if $(DEVICE),--device $(DEVICE))
 	$(if $(DOCS),$(Q)cp $(ACCURACY)/accuracy-position.png $(ACCURACY)/accuracy-strain.png $(ACCURACY)/accuracy-energy.png docs/images/)
+
+stiff: $(BIN)/pm-eval ## Rows too stiff for the step, rigid against resolved: table, and runs/stiff.json; [YOUNGS_MODULUS=1.7e10]
+	$(Q)$(BIN)/pm-eval stiff --out runs/stiff.json $(if $(YOUNGS_MODULUS),--youngs-modulus $(YOUNGS_MODULUS))
 
 verification: $(BIN)/pm-eval ## The solver against analytic answers, under refinement
 	$(Q)$(BIN)/pm-eval verification --out runs/verification.json

@@ -42,10 +42,10 @@ SOLVER_FOLDERS = {
     "math": [],
     "material": ["math"],
     "action": ["math", "domain.h", "state.h"],
-    "cpu": ["math", "material", "action", "body_contact.h", "domain.h", "state.h", "energy_budget.h", "stepper.h", "stepper_setup.h"],
+    "rigid": ["math", "material", "action", "body_contact.h", "domain.h", "state.h", "timestep.h", "stepper.h"],
+    "cpu": ["math", "material", "action", "rigid", "body_contact.h", "domain.h", "state.h", "energy_budget.h", "stepper.h", "stepper_setup.h"],
     "statics": ["math", "material", "action", "domain.h", "state.h"],
 }
-SOLVER_FOLDERS["rigid"] = SOLVER_FOLDERS["cpu"]
 # Sums over whole states are left to the CPU.
 SOLVER_FOLDERS["cuda"] = SOLVER_FOLDERS["cpu"] + ["cpu"]
 

@@ -62,6 +62,7 @@ mpm::Options solver_options(const CliOptions& options, const CommonOptions& comm
   solver.measure_steps = options.energy == "steps";
   solver.track_total_F = run.transport.total;
   solver.max_steps = options.max_steps;
+  solver.stiff = bind::bind_stiff_rule(run.time.stiff);
   return solver;
 }
 
@@ -129,6 +130,9 @@ int simulate(const CliOptions& options, const CommonOptions& common) {
   save_execution(execution_path_of(options.out), record, with_rollout);
   for (const AchievedAction& action : record.achieved) {
     if (!action.shortfall.empty() && !record.diverged) log_warning(candidate.id + ": " + bind::shortfall_line(action));
+  }
+  for (const StiffRowRecord& row : record.stiff_rows) {
+    if (row.rigid) log_info(fmt::format("{}: {} keeps its shape: {}", candidate.id, row.key, row.why));
   }
   for (const TornRow& row : record.torn) log_warning(candidate.id + ": " + bind::torn_line(row));
   if (record.diverged) {

@@ -7,6 +7,18 @@
 
 namespace physmas::bind {
 
+std::vector<int> bind_objects(const State& state) {
+  std::vector<std::string> known;
+  std::vector<int> objects;
+  for (const std::string& key : state.row_keys) {
+    const std::string object = object_of(key);
+    const auto at = std::find(known.begin(), known.end(), object);
+    objects.push_back(static_cast<int>(at - known.begin()));
+    if (at == known.end()) known.push_back(object);
+  }
+  return objects;
+}
+
 mpm::BodyContact bind_contact(const State& state, const RunSpecification::Contact& contact) {
   mpm::BodyContact bound;
   if (!contact.separates()) return bound;

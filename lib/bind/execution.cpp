@@ -17,14 +17,16 @@ double if_finite(double x) {
 }
 
 // The terms of the energy budget per output frame, as the record names them.
-std::vector<std::pair<std::string, std::vector<double>>> energy_terms(const std::vector<mpm::Balance>& balances) {
+std::vector<std::pair<std::string, std::vector<double>>> energy_terms(const std::vector<mpm::Balance>& balances,
+                                                                      bool some_rigid) {
   using Budget = mpm::EnergyBudget;
   const std::pair<const char*, double Budget::*> terms[] = {
-      {"change", &Budget::change},   {"transfer", &Budget::transfer},  {"contact", &Budget::contact},
-      {"plastic", &Budget::plastic}, {"viscous", &Budget::viscous},    {"projection", &Budget::projection},
-      {"control", &Budget::control}, {"structure", &Budget::structure}};
+      {"change", &Budget::change},   {"transfer", &Budget::transfer},   {"contact", &Budget::contact},
+      {"plastic", &Budget::plastic}, {"viscous", &Budget::viscous},     {"projection", &Budget::projection},
+      {"control", &Budget::control}, {"structure", &Budget::structure}, {"rigid", &Budget::rigid}};
   std::vector<std::pair<std::string, std::vector<double>>> list;
   for (const auto& [name, term] : terms) {
+    if (term == &Budget::rigid && !some_rigid) continue;
     list.emplace_back(name, std::vector<double>{});
     for (const mpm::Balance& balance : balances) list.back().second.push_back(balance.budget.*term);
   }
@@ -63,7 +65,7 @@ void record_balances(const mpm::Options& options, const mpm::Result& result, Exe
   record.energy_scale = if_finite(residual.scale);
   if (result.measured_steps) {
     record.largest_step_residual = result.balances.back().budget.largest_step_residual;
-    record.energy_terms = energy_terms(result.balances);
+    record.energy_terms = energy_terms(result.balances, !result.rigid_bodies.empty());
   }
 }
 
@@ -77,6 +79,29 @@ void record_steps(const BoundTiming& timing, const mpm::Result& result, Executio
   record.steps = static_cast<long>(result.steps);
   record.dt = result.dt;
   record.frames = result.frames_done;
+}
+
+void record_stiff(const Candidate& candidate, const mpm::Result& result, ExecutionRecord& record) {
+  const auto key = [&](int row) {
+    for (const CandidateRow& r : candidate.rows)
+      if (r.row == row) return r.key;
+    throw internal_error("a stiff row that the candidate does not have");
+  };
+  for (const mpm::StiffRow& row : result.stiff_rows) {
+    record.stiff_rows.push_back({key(row.row), row.rigid, row.why, row.limit, if_finite(row.deflection), row.bodies});
+  }
+  for (const mpm::RigidBodyReport& body : result.rigid_bodies) {
+    RigidBodyRecord& of = record.rigid_bodies.emplace_back();
+    for (const int row : body.rows) of.rows.push_back(key(row));
+    of.mass = body.mass;
+    of.impacts = static_cast<long>(body.impacts);
+    of.restitution = body.restitution;
+    of.largest_acceleration = if_finite(body.largest_acceleration);
+    of.largest_jump = if_finite(body.largest_jump);
+    of.error = if_finite(body.error);
+  }
+  record.impacts = {static_cast<long>(result.impacts.windows), static_cast<long>(result.impacts.steps),
+                    static_cast<long>(result.impacts.small_steps)};
 }
 
 Json runtime_of(const mpm::Result& result) {
@@ -103,6 +128,7 @@ ExecutionRecord execution_record(const Candidate& candidate, const mpm::Problem&
   if (record.diverged) record.divergence = explain_divergence(candidate, problem, timing, options, result);
   record_balances(options, result, record);
   record_steps(timing, result, record);
+  record_stiff(candidate, result, record);
   record.particles = static_cast<long>(problem.particles.size());
   record.grid = {{"n", problem.domain.n}, {"length", problem.domain.length}};
   record.precision = options.precision == mpm::Precision::full ? "double" : "float";

@@ -31,6 +31,7 @@ mpm::Problem bind_problem(const Candidate& candidate, const State& state, const 
   mpm::Problem problem;
   problem.domain = bind_domain(run);
   problem.materials = bind_materials(candidate, state, files.candidate);
+  problem.object = bind_objects(state);
   problem.constants = bind_constants(run.profile);
   problem.contact = bind_contact(state, run.contact);
   problem.particles = bind_particles(state);

@@ -36,6 +36,11 @@ double parse_seconds(const std::string& rule, double frame_dt) {
 
 }  // namespace
 
+mpm::StiffRule bind_stiff_rule(const std::string& rule) {
+  if (rule == "rigid") return mpm::StiffRule::rigid;
+  return rule == "auto" ? mpm::StiffRule::automatic : mpm::StiffRule::off;
+}
+
 int whole_substeps(double dt, double frame_dt) {
   return std::max(1, static_cast<int>(std::ceil(frame_dt / dt * (1 - 1e-9))));
 }

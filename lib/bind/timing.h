@@ -15,6 +15,9 @@ struct BoundTiming {
   std::string rule;  // as the execution record names it: paper, cfl or fixed
 };
 
+// time.stiff of the run specification.
+mpm::StiffRule bind_stiff_rule(const std::string& rule);
+
 // The fewest substeps of a frame that are no longer than dt [s].
 int whole_substeps(double dt, double frame_dt);
 

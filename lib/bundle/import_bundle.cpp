@@ -156,6 +156,7 @@ RunSpecification run_for(const ImportOptions& options, Json json, const Gaussian
   }
   // A captured scene may have any material; whoever imports one wants a video rather than the paper's step.
   if (!json.contains("/time/on_divergence"_json_pointer)) json["time"]["on_divergence"] = "cfl";
+  if (!json.contains("/time/stiff"_json_pointer)) json["time"]["stiff"] = "auto";
   if (!json.contains("/time/retry_substeps"_json_pointer)) {
     const double particles = static_cast<double>(std::max<size_t>(1, given.particles.simulated(gaussians.size())));
     const double substeps = std::min(kRetryParticleSteps / particles, kMostSubsteps);

@@ -41,7 +41,7 @@ Candidate authored_candidate(const AuthoredConfiguration& configuration, const I
   Candidate candidate;
   candidate.id = candidate.transform = "authored";
   candidate.base_confidence = 1;
-  candidate.timestep = step_size(executable.rows, evidence.whole_object, run.time);
+  candidate.timestep = step_size(executable.rows, evidence.whole_object, run.time, run.grid.length / run.grid.n);
   candidate.omitted = context.inactive;
   candidate.schedule = compile_schedule(context, executable, candidate.timestep, file, candidate.omitted);
   candidate.rows = std::move(executable.rows);

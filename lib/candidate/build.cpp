@@ -14,7 +14,8 @@ namespace {
 
 Candidate complete(const Context& context, Configuration configuration, const std::string& plan_file) {
   Candidate candidate;
-  candidate.timestep = step_size(configuration.rows, context.evidence.whole_object, context.run.time, context.state);
+  candidate.timestep = step_size(configuration.rows, context.evidence.whole_object, context.run.time,
+                                 context.run.grid.length / context.run.grid.n, context.state);
   candidate.omitted = context.inactive;
   candidate.schedule = compile_schedule(context, configuration, candidate.timestep, plan_file, candidate.omitted);
   candidate.rows = std::move(configuration.rows);

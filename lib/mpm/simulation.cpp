@@ -11,7 +11,8 @@ namespace physmas::mpm {
 
 namespace {
 
-StepperSetup make_setup(const Problem& problem, const Options& options, const ActionPlan& actions) {
+StepperSetup make_setup(const Problem& problem, const Timing& timing, const Options& options, const ActionPlan& actions,
+                        RigidPlan& plan) {
   StepperSetup setup;
   setup.domain = problem.domain;
   setup.contact = problem.contact;
@@ -20,7 +21,20 @@ StepperSetup make_setup(const Problem& problem, const Options& options, const Ac
     setup.parameters.push_back(derive_parameters(m, problem.constants));
   }
   for (const Material& m : problem.particles.material) setup.elasticity.push_back(elasticity_of(m));
-  setup.row = problem.particles.row;
+  const StiffProblem stiff = {problem.domain.dx(), problem.domain.gravity,   setup.branches,
+                              setup.parameters,    setup.elasticity,         problem.object,
+                              problem.particles,   problem.schedule.actions, problem.contact.bodies() > 1};
+  plan = plan_rigid(stiff, options.stiff, timing.frame_dt / timing.substeps);
+  setup.row = plan.row;
+  if (!plan.setup.empty()) {
+    for (size_t row = setup.branches.size(); row < plan.source_row.size(); ++row) {
+      setup.branches.push_back(setup.branches[plan.source_row[row]]);
+      setup.parameters.push_back(setup.parameters[plan.source_row[row]]);
+    }
+    setup.rigid = plan.setup;
+    setup.contact = {};
+    for (const int body : plan.setup.body_of_row) setup.contact.body.push_back(1 + body);
+  }
   setup.volume = problem.particles.volume;
   setup.control_group = actions.group_of();
   setup.track_total_F = options.track_total_F;
@@ -41,6 +55,12 @@ State rest_state(const Particles& particles, const StepperSetup& setup) {
   state.strength.resize(count);
   for (size_t i = 0; i < count; ++i) state.strength[i] = setup.parameters[particles.row[i]].yield;
   return state;
+}
+
+double total_mass(const StepperSetup& setup) {
+  double mass = 0;
+  for (size_t i = 0; i < setup.row.size(); ++i) mass += setup.parameters_of(i).density * setup.volume[i];
+  return mass;
 }
 
 const char* reason_token(StepFault fault) {
@@ -98,6 +118,7 @@ class Simulation {
   bool believable(const Balance& balance);
   void output(const Balance& balance);
   void close();
+  void report_rigid();
 
   StepReport advance(int frame);
   void count(const StepReport& report);
@@ -112,10 +133,12 @@ class Simulation {
   Result result_;
 
   const ActionPlan actions_;
+  RigidPlan plan_;
   const StepperSetup setup_;
   std::vector<CompiledProjection> projections_;
   std::vector<CompiledRetention> retentions_;
   const std::unique_ptr<Stepper> stepper_;
+  ImpactWindows windows_;  // of rigid bodies
   AdaptiveStepping adaptive_;
   State state_;
 
@@ -137,12 +160,14 @@ Simulation::Simulation(const Problem& problem, const Timing& timing, const Optio
       options_(options),
       callback_(callback),
       actions_(problem.schedule.actions, problem.particles),
-      setup_(make_setup(problem, options, actions_)),
+      setup_(make_setup(problem, timing, options, actions_, plan_)),
       retentions_(
           CompiledRetention::compile(problem.schedule.retentions, problem.particles, problem.schedule.projections)),
       stepper_(options.stepper ? options.stepper(options.precision, setup_)
                                : make_stepper(options.device, options.precision, setup_)),
-      adaptive_(setup_, timing.frame_dt / timing.substeps, (timing.frames - 1) * timing.frame_dt, options.max_steps),
+      windows_(options.impact_budget, total_mass(setup_)),
+      adaptive_(setup_, timing.frame_dt / timing.substeps, (timing.frames - 1) * timing.frame_dt, options.max_steps,
+                stepper_->rigid() ? &windows_ : nullptr),
       state_(rest_state(problem.particles, setup_)),
       hopeless_(hopeless_step(setup_)) {
   for (const StructureProjection& p : problem.schedule.projections) projections_.emplace_back(p, problem.particles);
@@ -211,6 +236,12 @@ StepReport Simulation::advance(int frame) {
     return refused;
   }
   const long long first_step = result_.steps;
+  if (stepper_->rigid()) {
+    const auto timed = [&](double time, double dt, std::vector<Control>& out) {
+      return actions_.controls(static_cast<double>(first_step) * result_.dt + time, dt, out);
+    };
+    return windows_.advance(*stepper_, timing_.substeps, result_.dt, timed, energy_limit);
+  }
   const auto controls = [&](int step, std::vector<Control>& out) {
     return actions_.controls(static_cast<double>(first_step + step) * result_.dt, result_.dt, out);
   };
@@ -288,16 +319,16 @@ void Simulation::find_culprits() {
   stepper_->store(last);
   result_.fault_speed = -1;
   result_.stiffest_limit = std::numeric_limits<double>::infinity();
-  std::vector<bool> seen(setup_.parameters.size(), false);
+  std::vector<bool> seen(plan_.source_row.size(), false);
   for (size_t i = 0; i < last.v.size(); ++i) {
-    const int row = setup_.row[i];
+    const int row = plan_.source_row[setup_.row[i]];
     const double squared = dot(last.v[i], last.v[i]);
     const double speed = std::isfinite(squared) ? std::sqrt(squared) : std::numeric_limits<double>::infinity();
     if (speed > result_.fault_speed) {
       result_.fault_speed = speed;
       result_.fault_row = row;
     }
-    if (seen[row] && setup_.elasticity.empty()) continue;
+    if (setup_.rigid.body_of(setup_.row[i]) >= 0 || (seen[row] && setup_.elasticity.empty())) continue;
     seen[row] = true;
     const double limit = rest_limit(setup_.parameters_of(i), setup_.domain.dx());
     if (limit < result_.stiffest_limit) {
@@ -317,8 +348,34 @@ void Simulation::output(const Balance& b) {
   ++result_.frames_done;
 }
 
+void Simulation::report_rigid() {
+  result_.stiff_rows = plan_.rows;
+  RigidMotion* const rigid = stepper_->rigid();
+  for (int b = 0; rigid && b < rigid->count(); ++b) {
+    const RigidBodyRest& rest = rigid->rest(b);
+    const RigidHistory& history = rigid->history(b);
+    RigidBodyReport report;
+    for (const StiffRow& row : plan_.rows) {
+      if (std::find(row.bodies.begin(), row.bodies.end(), b) != row.bodies.end()) report.rows.push_back(row.row);
+    }
+    report.mass = rest.mass;
+    report.impacts = history.impacts;
+    report.restitution = history.restitution;
+    report.largest_acceleration = history.largest_acceleration;
+    report.largest_jump = history.largest_jump;
+    for (const int i : rest.particles) {
+      report.error = std::max(
+          report.error, rigid_error(rest, setup_.domain.dx(), setup_.parameters_of(i), history.largest_acceleration));
+      if (setup_.elasticity.empty()) break;
+    }
+    result_.rigid_bodies.push_back(report);
+  }
+  result_.impacts = windows_.history();
+}
+
 // What is known at the end only.
 void Simulation::close() {
+  report_rigid();
   result_.history = adaptive_.history();
   if (timing_.rule == StepRule::fixed) result_.history.smallest_dt = result_.history.largest_dt = result_.dt;
   if (result_.history.steps > 0) result_.dt = result_.history.time / static_cast<double>(result_.history.steps);

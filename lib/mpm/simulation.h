@@ -16,6 +16,8 @@
 #include "mpm/body_contact.h"
 #include "mpm/domain.h"
 #include "mpm/material/material.h"
+#include "mpm/rigid/impact_windows.h"
+#include "mpm/rigid/stiff_rows.h"
 #include "mpm/state.h"
 #include "mpm/stepper.h"
 #include "mpm/timestep.h"
@@ -26,6 +28,7 @@ namespace physmas::mpm {
 struct Problem {
   Domain domain;
   std::vector<Material> materials;  // per row; rows without particles are allowed
+  std::vector<int> object;          // per row, of what it is a part; empty: all are parts of one thing
   BodyContact contact;              // by default all rows are one body
   ProfileConstants constants;
   Particles particles;
@@ -48,6 +51,8 @@ struct Options {
   bool track_total_F = false;        // integrate State::total_F = Π (I + dt C), which no return map touches
   bool measure_energy = true;        // elastic energy and the range of det F at output frames
   bool measure_steps = false;        // the energy budget of every substep (much slower); implies measure_energy
+  StiffRule stiff = StiffRule::off;  // what becomes of rows too stiff for the step (rigid/stiff_rows.h)
+  double impact_budget = 1;          // of rigid rows: small steps in impacts per substep (rigid/impact_windows.h)
   long long max_steps = 10'000'000;  // a run that needs more ends as `diverged`, reason "budget"
   // Takes the place of make_stepper: for tests of a back end that no device stands for.
   std::function<std::unique_ptr<Stepper>(Precision, const StepperSetup&)> stepper;
@@ -70,6 +75,17 @@ std::vector<Omission> omissions(const Problem& problem, const Options& options);
 
 enum class Status { stable, diverged };
 
+// A rigid body of a run.
+struct RigidBodyReport {
+  std::vector<int> rows;            // of the problem
+  double mass = 0;                  // kg
+  long long impacts = 0;            // that no window was left for
+  double restitution = -1;          // measured in its windows; -1: none
+  double largest_acceleration = 0;  // m/s^2, between impacts
+  double largest_jump = 0;          // m/s: of its velocity in one substep
+  double error = 0;                 // bound of its bending between impacts, over its length
+};
+
 struct Result {
   Status status = Status::stable;
   // Global substep, counted from 0, in which a fault was found; -1 when stable. Every substep checks every particle, so
@@ -83,6 +99,9 @@ struct Result {
   // The row whose material at rest allows the smallest step, and that step in s (timestep.h, rest_limit).
   int stiffest_row = -1;
   double stiffest_limit = 0;
+  std::vector<StiffRow> stiff_rows;  // unless Options::stiff is off
+  std::vector<RigidBodyReport> rigid_bodies;
+  ImpactHistory impacts;
   int frames_done = 0;            // output frames handed out
   long long steps = 0;            // substeps done
   double dt = 0;                  // s; the mean of the substeps under StepRule::cfl

@@ -15,6 +15,10 @@ std::unique_ptr<Stepper> make_stepper(const Device& device, Precision precision,
   if (setup.measure_steps) {
     throw Error(ExitCode::usage, "--device cuda: the energy of every substep is measured on the CPU only");
   }
+  if (!setup.rigid.empty()) {
+    throw Error(ExitCode::usage,
+                "--device cuda: rows that keep their shape move on the CPU only; set time.stiff to off");
+  }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   return make_cuda_stepper(device.threads > 0 ? std::min(device.threads, cores) : cores, precision, setup);
 }

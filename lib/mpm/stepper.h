@@ -10,6 +10,7 @@
 #include "base/device.h"
 #include "mpm/action/control.h"
 #include "mpm/energy_budget.h"
+#include "mpm/rigid/rigid_motion.h"
 #include "mpm/state.h"
 #include "mpm/stepper_setup.h"
 
@@ -28,7 +29,9 @@ struct StepReport {
   double control_work = 0;          // kinetic and elastic energy that the controls put in, positive parts [J]
   long long particles_clamped = 0;  // most particles held at the edge of the grid in one substep
   int sorts = 0;
-  EnergyBudget energy;                                               // when measured
+  bool impact = false;      // the next substep runs rigid bodies into something; they are to be let go for it
+  std::vector<Vec3d> push;  // per rigid body that is let go: the impulse of contact [kg m/s]
+  EnergyBudget energy;      // when measured
   double seconds_particles = 0, seconds_grid = 0, seconds_sort = 0;  // wall clock
 };
 
@@ -74,6 +77,11 @@ class Stepper {
   virtual StepBounds measure_bounds(const State& state) = 0;
 
   virtual StepperUsage usage() const = 0;
+
+  // The setup's rigid bodies, which are held from the first load on; null: this back end has none. `hold` false lets
+  // them go, so that they deform as their material does, true takes them up again as they are then.
+  virtual RigidMotion* rigid() { return nullptr; }
+  virtual void hold(bool /*rigid*/) {}
 };
 
 // Throws a usage error (exit code 2) for a device that is not there.

@@ -9,6 +9,7 @@
 #include "mpm/body_contact.h"
 #include "mpm/domain.h"
 #include "mpm/material/material.h"
+#include "mpm/rigid/rigid_setup.h"
 
 namespace physmas::mpm {
 
@@ -21,8 +22,9 @@ struct StepperSetup {
   std::vector<int> row;                                // per particle
   std::vector<double> volume;                          // per particle [m^3]
   std::vector<std::uint16_t> control_group;            // per particle
-  bool track_total_F = false;                          // State::total_F is integrated as well
-  bool measure_steps = false;                          // the energy budget of every substep
+  RigidSetup rigid;            // where it has bodies, each has the field of contact 1 + its index, and all else field 0
+  bool track_total_F = false;  // State::total_F is integrated as well
+  bool measure_steps = false;  // the energy budget of every substep
 
   MaterialParameters<double> parameters_of(std::size_t particle) const {
     const MaterialParameters<double>& own = parameters[row[particle]];

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mpm/material/stiffness.h"
+#include "mpm/rigid/impact_windows.h"
 
 namespace physmas::mpm {
 
@@ -50,8 +51,9 @@ double choose_step(const StepBounds& bounds, const Domain& domain, double larges
   return dt;
 }
 
-AdaptiveStepping::AdaptiveStepping(const StepperSetup& setup, double largest_dt, double end, long long max_steps)
-    : setup_(setup), largest_dt_(largest_dt), end_(end), max_steps_(max_steps) {}
+AdaptiveStepping::AdaptiveStepping(const StepperSetup& setup, double largest_dt, double end, long long max_steps,
+                                   ImpactWindows* windows)
+    : setup_(setup), largest_dt_(largest_dt), end_(end), max_steps_(max_steps), windows_(windows) {}
 
 bool AdaptiveStepping::admits(const StepBounds& end, const StepReport& report, double dt) const {
   return dt <= end.wave && dt * std::max(end.speed, report.max_speed) <= kGrowth * kCellsPerStep * setup_.domain.dx() &&
@@ -81,10 +83,16 @@ StepReport AdaptiveStepping::advance(Stepper& stepper, State& state, const Actio
         ++total.steps;  // the one that is not done
         return total;
       }
+      const double limit_now = energy_limit + 2 * total.control_work;
+      const auto timed = [&](double from, double of, std::vector<Control>& out) {
+        return actions.controls(start + time + from, of, out);
+      };
       const auto controls = [&](int step, std::vector<Control>& out) {
         return actions.controls(start + time + step * dt, dt, out);
       };
-      const StepReport report = stepper.advance(steps, dt, controls, energy_limit + 2 * total.control_work);
+      const ImpactWindows before = windows_ ? *windows_ : ImpactWindows(0, 0);
+      const StepReport report = windows_ ? windows_->advance(stepper, steps, dt, timed, limit_now)
+                                         : stepper.advance(steps, dt, controls, limit_now);
       steps_done_ += report.steps;
       add_time(total, report);
       bool good = report.fault == StepFault::none;
@@ -107,6 +115,10 @@ StepReport AdaptiveStepping::advance(Stepper& stepper, State& state, const Actio
         bounds = end;
         std::swap(state, next);
         break;
+      }
+      if (windows_) {
+        stepper.hold(!before.open());
+        *windows_ = before;
       }
       stepper.load(state);
       ++history_.retries;

@@ -8,6 +8,8 @@
 
 namespace physmas::mpm {
 
+class ImpactWindows;
+
 // The step chosen for a state: the smallest of `largest`, 0.7 of the wave bound, the time in which the fastest particle
 // crosses a fifth of a cell under gravity, and the time in which a velocity gradient strains by 0.3.
 double choose_step(const StepBounds& bounds, const Domain& domain, double largest);
@@ -30,7 +32,9 @@ struct StepHistory {
 class AdaptiveStepping {
  public:
   // largest_dt [s]: never exceeded; end [s]: when the run ends; max_steps: budget of the run, discarded ones included.
-  AdaptiveStepping(const StepperSetup& setup, double largest_dt, double end, long long max_steps);
+  // windows: for impacts of the stepper's rigid bodies, where it has some; outlives this.
+  AdaptiveStepping(const StepperSetup& setup, double largest_dt, double end, long long max_steps,
+                   ImpactWindows* windows = nullptr);
 
   // Advances from time `start` by `duration` [s]. The stepper holds `state`; both hold the end state afterwards, or the
   // last good one when the report names a fault: that of the last attempt, or StepFault::budget when the steps are used
@@ -47,6 +51,7 @@ class AdaptiveStepping {
   const StepperSetup& setup_;
   double largest_dt_, end_;
   long long max_steps_, steps_done_ = 0;
+  ImpactWindows* windows_;
   StepHistory history_;
 };
 

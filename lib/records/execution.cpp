@@ -94,6 +94,58 @@ Json achieved_json(const AchievedAction& a) {
   return json;
 }
 
+void stiff_from(const Json& document, ExecutionRecord& record) {
+  if (!document.contains("stiff")) return;
+  const Json& stiff = document.at("stiff");
+  for (const Json& json : stiff.at("rows")) {
+    StiffRowRecord row;
+    row.key = json.at("row").get<std::string>();
+    row.rigid = json.at("rigid").get<bool>();
+    row.why = json.at("why").get<std::string>();
+    row.limit = json.at("limit").get<double>();
+    row.deflection = json.value("deflection", 0.0);
+    row.bodies = json.at("bodies").get<std::vector<int>>();
+    record.stiff_rows.push_back(std::move(row));
+  }
+  for (const Json& json : stiff.at("bodies")) {
+    RigidBodyRecord body;
+    body.rows = json.at("rows").get<std::vector<std::string>>();
+    body.mass = json.at("mass").get<double>();
+    body.impacts = json.at("impacts").get<long>();
+    if (!json.at("restitution").is_null()) body.restitution = json.at("restitution").get<double>();
+    body.largest_acceleration = json.at("largest_acceleration").get<double>();
+    body.largest_jump = json.at("largest_jump").get<double>();
+    body.error = json.at("error").get<double>();
+    record.rigid_bodies.push_back(std::move(body));
+  }
+  const Json& windows = stiff.at("windows");
+  record.impacts = {windows.at("count").get<long>(), windows.at("substeps").get<long>(),
+                    windows.at("small_steps").get<long>()};
+}
+
+Json stiff_json(const ExecutionRecord& record) {
+  Json stiff = {{"rows", Json::array()}, {"bodies", Json::array()}};
+  for (const StiffRowRecord& row : record.stiff_rows) {
+    Json json = {
+        {"row", row.key}, {"rigid", row.rigid}, {"why", row.why}, {"limit", row.limit}, {"bodies", row.bodies}};
+    if (row.deflection > 0) json["deflection"] = row.deflection;
+    stiff["rows"].push_back(std::move(json));
+  }
+  for (const RigidBodyRecord& body : record.rigid_bodies) {
+    stiff["bodies"].push_back({{"rows", body.rows},
+                               {"mass", body.mass},
+                               {"impacts", body.impacts},
+                               {"restitution", body.restitution < 0 ? Json() : Json(body.restitution)},
+                               {"largest_acceleration", body.largest_acceleration},
+                               {"largest_jump", body.largest_jump},
+                               {"error", body.error}});
+  }
+  stiff["windows"] = {{"count", record.impacts.count},
+                      {"substeps", record.impacts.substeps},
+                      {"small_steps", record.impacts.small_steps}};
+  return stiff;
+}
+
 std::optional<Stillness> stillness_from(const Json& document) {
   const Json json = document.value("stillness", Json());
   if (json.is_null()) return std::nullopt;
@@ -152,6 +204,7 @@ ExecutionRecord load_execution(const std::string& path) {
   record.frames = document.at("frames").get<int>();
   record.achieved = achieved_from(document);
   record.stillness = stillness_from(document);
+  stiff_from(document, record);
   for (const Json& row : document.value("torn", Json::array()))
     record.torn.push_back({row.at("row").get<std::string>(), row.value("from", ""), row.at("share").get<double>()});
   record.particles = document.value("particles", 0L);
@@ -231,6 +284,7 @@ void save_execution(const std::string& path, const ExecutionRecord& record, cons
   json["precision"] = record.precision;
   json["deformation"] = record.deformation;
   if (record.start) json["start"] = start_json(*record.start);
+  if (!record.stiff_rows.empty()) json["stiff"] = stiff_json(record);
   json["omitted"] = to_json(record.omitted);
   json["runtime"] = record.runtime;
   save_record(path, "execution", provenance, json);

@@ -69,6 +69,32 @@ struct TornRow {
   double share = 0;       // of these bonds that are broken, 0..1
 };
 
+// A row whose material allows no step as long as the run's (time.stiff).
+struct StiffRowRecord {
+  std::string key;
+  bool rigid = false;       // it keeps its shape; else it deforms
+  std::string why;          // one clause
+  double limit = 0;         // s: its largest stable step
+  double deflection = 0;    // estimated, under its own weight, over its length; 0: not estimated
+  std::vector<int> bodies;  // of RigidRecord::bodies
+};
+
+// A body that keeps its shape, of one or several rows or of a part of one.
+struct RigidBodyRecord {
+  std::vector<std::string> rows;
+  double mass = 0;                  // kg
+  long impacts = 0;                 // that were met without a window
+  double restitution = -1;          // measured in windows; -1: none
+  double largest_acceleration = 0;  // m/s^2, between impacts
+  double largest_jump = 0;          // m/s: of its velocity in one substep
+  double error = 0;                 // bound of what it would have bent by between impacts, over its length
+};
+
+// Short times in which bodies deform, because they hit something.
+struct ImpactWindowsRecord {
+  long count = 0, substeps = 0, small_steps = 0;
+};
+
 struct ExecutionRecord {
   std::string candidate;
   int exit = 0, signal = 0;  // how the process ended
@@ -102,8 +128,11 @@ struct ExecutionRecord {
   long particles = 0;
   Json grid = Json::object();
   std::string precision = "float";
-  std::string deformation = "elastic";  // what the rollout's F is: elastic or total
-  std::optional<StartRecord> start;     // none: from rest, F = I
+  std::string deformation = "elastic";     // what the rollout's F is: elastic or total
+  std::vector<StiffRowRecord> stiff_rows;  // with time.stiff
+  std::vector<RigidBodyRecord> rigid_bodies;
+  ImpactWindowsRecord impacts;
+  std::optional<StartRecord> start;  // none: from rest, F = I
   std::vector<Omission> omitted;
   Json runtime = Json::object();  // seconds by phase, particle-steps per second, peak memory
 };

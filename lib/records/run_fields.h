@@ -24,6 +24,7 @@ inline constexpr std::array<const char*, 3> kColliderTypes = {"plane", "box", "s
 inline constexpr std::array<const char*, 3> kColliderModes = {"sticky", "slip", "separate"};
 inline constexpr std::array<const char*, 2> kTimeRules = {"paper", "cfl"};
 inline constexpr std::array<const char*, 2> kOnDivergence = {"stop", "cfl"};
+inline constexpr std::array<const char*, 3> kStiffRules = {"off", "rigid", "auto"};
 inline constexpr std::array<const char*, 2> kStarts = {"rest", "equilibrium"};
 inline constexpr std::array<const char*, 2> kContacts = {"stick", "separate"};
 inline constexpr std::array<const char*, 2> kIslands = {"keep", "join"};
@@ -90,6 +91,10 @@ void visit_fields(Run& run, Visitor& v) {
           "stop: a diverged candidate is a result; cfl: it is simulated once more with the rule cfl");
   v.field("retry_substeps", run.time.retry_substeps, between(1, 1000000000),
           "what that second simulation may take in all; one that needs more is not begun");
+  v.field(
+      "stiff", choice(run.time.stiff, kStiffRules), {},
+      "rows too stiff for a third of the substep. off: they deform all the same, as the paper has it; rigid: they keep "
+      "their shape; auto: those that would hardly bend do");
   v.field(
       "start", choice(run.time.start, kStarts), {},
       "rest: without stress, F = I, as the paper has it; equilibrium: what is supported carries its weight from the "

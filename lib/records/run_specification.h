@@ -40,6 +40,7 @@ struct RunSpecification {
     int max_substeps = 800;              // per output frame
     std::string rule = "paper";          // paper | cfl: what pm-simulate follows
     std::string on_divergence = "stop";  // stop | cfl: a diverged candidate is simulated once more with the cfl rule
+    std::string stiff = "off";           // off | rigid | auto: what becomes of rows too stiff for the substep
     int retry_substeps = 40000;          // that this may take; the paper's rule: at most 800 for each of 50 frames
     // rest: nothing is stressed at first, F = I, as in the paper. equilibrium: what stands on something carries its
     // weight from the first substep on, in its captured shape.

@@ -11,6 +11,7 @@ Subcommand add_accuracy_command(Command app, const PaperStep& paper_step);
 Subcommand add_error_command(Command app);
 Subcommand add_error_study_command(Command app);
 Subcommand add_stability_command(Command app, const PaperStep& paper_step);
+Subcommand add_stiff_command(Command app);
 Subcommand add_verification_command(Command app);
 
 }  // namespace physmas::studies

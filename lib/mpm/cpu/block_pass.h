@@ -54,8 +54,14 @@ class BlockPass {
  public:
   // All of them outlive the pass.
   BlockPass(const StepperSetup& setup, const std::vector<MaterialParameters<T>>& parameters, ParticleStore<T>& store,
-            Grid<T>& grid, const ControlTable& before, const ControlTable& after)
-      : setup_(setup), parameters_(parameters), store_(store), grid_(grid), before_(before), after_(after) {}
+            Grid<T>& grid, const RigidMotion& rigid, const ControlTable& before, const ControlTable& after)
+      : setup_(setup),
+        parameters_(parameters),
+        store_(store),
+        grid_(grid),
+        rigid_(rigid),
+        before_(before),
+        after_(after) {}
 
   // Block `index` of the store's map. kGather: ends a substep of dt [s] (`after` are its controls); kScatter: begins
   // one (`before`); kMeasure: the energies.
@@ -77,6 +83,8 @@ class BlockPass {
                          GridNumbers<T>& numbers) const;
   template <int kKnown, bool kGather, bool kScatter, bool kMeasure>
   LaneBits advance(Run& run, int reg, int column, GridNumbers<T>& numbers);
+  template <bool kGather, bool kScatter, bool kMeasure>
+  LaneBits advance_rigid(Run& run, int reg, int column, GridNumbers<T>& numbers);
   static void scatter_strays(const GridExchange<T>& exchange, T* nodes, const T* x, int column, LaneBits lanes,
                              GridNumbers<T>& numbers);
   Rows rows_of(int reg) const;
@@ -88,6 +96,7 @@ class BlockPass {
   const std::vector<MaterialParameters<T>>& parameters_;
   ParticleStore<T>& store_;
   Grid<T>& grid_;
+  const RigidMotion& rigid_;
   const ControlTable &before_, &after_;
 };
 
@@ -355,6 +364,94 @@ LaneBits BlockPass<T>::advance(Run& run, int reg, int column, GridNumbers<T>& nu
   return set_scattered<kMeasure>(run, reg, column, s, tau, numbers);
 }
 
+// A register of a rigid body (mpm/rigid), whose motion is known: no gather and no stress.
+template <class T>
+template <bool kGather, bool kScatter, bool kMeasure>
+LaneBits BlockPass<T>::advance_rigid(Run& run, int reg, int column, GridNumbers<T>& numbers) {
+  const int first = reg * W, body = store_.registers[reg].body - 1;
+  const RigidBody& motion = rigid_.body(body);
+  const Vec3d& velocity = motion.motion.velocity;
+  const Vec3d& spin = motion.motion.spin;
+  T* const state = store_.numbers(reg);
+  alignas(64) T x[3][W], v[3][W];
+  for (int l = 0; l < W; ++l) {
+    const int i = store_.particle[first + l];
+    if (i < 0) {
+      for (int a = 0; a < 3; ++a) x[a][l] = state[a * W + l], v[a][l] = T(0);
+      continue;
+    }
+    const Vec3d d = motion.rotation * setup_.rigid.offset[i];
+    const Vec3d u = velocity + cross(spin, d);
+    const Vec3d at = motion.center + d - run.origin;
+    for (int a = 0; a < 3; ++a) {
+      x[a][l] = kGather ? T(at[a] / run.dx) : state[a * W + l];
+      v[a][l] = T(u[a]);
+    }
+  }
+  LaneState s;
+  const Rows rows = store_.registers[reg].row >= 0 ? Rows() : rows_of(reg);
+  MaterialParameters<V> p = store_.registers[reg].row >= 0
+                                ? convert_parameters<V>(parameters_[store_.registers[reg].row])
+                                : parameters_of(rows);
+  if (store_.has_elasticity) {
+    const auto lanes = [&](int k) { return V(&store_.elasticity[k][first], stdx::vector_aligned); };
+    p = with_elasticity(p, {lanes(0), lanes(1), lanes(2)});
+  }
+  s.volume = V(state + store_.kVolume * W, stdx::vector_aligned);
+  s.mass = p.density * s.volume;
+  const T turn[3] = {T(spin.x), T(spin.y), T(spin.z)};
+  for (int a = 0; a < 3; ++a) {
+    s.x[a] = V(x[a], stdx::vector_aligned);
+    s.v[a] = V(v[a], stdx::vector_aligned);
+    s.C[a][a] = V(T(0));
+    s.C[a][(a + 1) % 3] = V(-turn[(a + 2) % 3]);
+    s.C[a][(a + 2) % 3] = V(turn[(a + 1) % 3]);
+  }
+  if (kGather) {
+    const V squared = dot(s.v, s.v);
+    run.kinetic += s.mass * squared;
+    run.speed_squared = at_least(squared, run.speed_squared);
+    if (run.at_edge) {
+      const Vec3<V> moved = s.x;
+      for (int a = 0; a < 3; ++a) s.x[a] = at_most(at_least(s.x[a], V(run.low[a])), V(run.high[a]));
+      const auto held = moved.x != s.x.x || moved.y != s.x.y || moved.z != s.x.z;
+      run.report.clamped += stdx::popcount(held && s.volume > V(T(0)));
+    }
+    for (int a = 0; a < 3; ++a) s.x[a].copy_to(state + a * W, stdx::vector_aligned);
+  }
+  if (kMeasure) {
+    Mat3<V> F;
+    for (int k = 0; k < 9; ++k) F[k / 3][k % 3] = V(state + (store_.kDeformation + k) * W, stdx::vector_aligned);
+    Branch branch[W];
+    for (int l = 0; l < W; ++l) {
+      const int i = store_.particle[first + l];
+      branch[l] = setup_.branches[i >= 0 ? setup_.row[i] : 0];
+    }
+    const RegisterMotion<V> measured = {s.mass, s.volume, s.x, F, F, F, s.v, s.v, s.v, s.C, s.C, s.C};
+    measure_register(measured, p, branch, run.origin, setup_.domain.gravity, run.dx, 0, run.report.energy);
+    const double kinetic = affine_kinetic(s.mass, s.v, s.C, run.dx);
+    if (kGather) run.report.energy.gathered += kinetic, run.report.energy.rigid += kinetic;
+  }
+  if (!kScatter) {
+    for (int a = 0; a < 3; ++a) {
+      s.v[a].copy_to(&store_.v[a][first], stdx::vector_aligned);
+      for (int b = 0; b < 3; ++b) s.C[a][b].copy_to(&store_.C[3 * a + b][first], stdx::vector_aligned);
+    }
+    return 0;
+  }
+  const double rest = kMeasure ? affine_kinetic(s.mass, s.v, s.C, run.dx) : 0;
+  if (store_.registers[reg].control != 0 && before_.active) {
+    run.report.control_work += blend_controls<T>(controls_of(run, reg, before_), s.x, s.mass, s.v, s.C);
+  }
+  if (kMeasure) {
+    const double scattered = affine_kinetic(s.mass, s.v, s.C, run.dx);
+    run.report.energy.control_before += scattered - rest;
+    run.report.energy.scattered += scattered;
+  }
+  const V nothing(T(0));
+  return set_scattered<kMeasure>(run, reg, column, s, diagonal(nothing, nothing, nothing), numbers);
+}
+
 // Carries lanes that have left their column's cell to the grid, and takes them out of the numbers that go there with
 // the column.
 template <class T>
@@ -386,7 +483,10 @@ BlockReport BlockPass<T>::run(int index, double dt) {
   const ParticleBlock& block = store_.map.particle_blocks[index];
   const GridExchange<T> exchange(grid_.layout);
   Run run(index, block, setup_.domain, dt);
+  const bool some_rigid = rigid_.held() && block.bodies > 1u;
   const auto advance_any = [&](int reg, int column, GridNumbers<T>& numbers) PHYSMAS_LAMBDA_INLINE {
+    if (some_rigid && store_.registers[reg].body > 0)
+      return advance_rigid<kGather, kScatter, kMeasure>(run, reg, column, numbers);
     const int row = store_.registers[reg].row;
     const bool controlled = store_.registers[reg].control != 0 && (before_.active || after_.active);
     if (kGather && kScatter && !kMeasure && row >= 0 && !controlled) {
@@ -406,6 +506,8 @@ BlockReport BlockPass<T>::run(int index, double dt) {
            store_.registers[reg + count].body == body) {
       ++count;
     }
+    // What is rigid moves without asking the grid.
+    const bool gathers = kGather && !(some_rigid && body > 0);
     const T* const velocity = grid_.velocity(block, body);
     T* const momentum = grid_.momentum(block, body);
     LaneBits lanes[kColumnBatch];
@@ -417,14 +519,14 @@ BlockReport BlockPass<T>::run(int index, double dt) {
     }
     if (column < 0) {
       if (lanes[0] == 0) continue;
-      if (kGather) exchange.gather_particles(velocity, x[0], lanes[0], run.numbers[0]);
+      if (gathers) exchange.gather_particles(velocity, x[0], lanes[0], run.numbers[0]);
       advance_any(reg, column, run.numbers[0]);
       if (kScatter) exchange.scatter_particles(momentum, x[0], lanes[0], run.numbers[0]);
       if (kMeasure && kScatter)
         exchange.scatter_particles(grid_.force_free(block, body), x[0], lanes[0], run.force_free);
       continue;
     }
-    if (kGather) exchange.gather_columns(velocity, column, count, x, lanes, run.numbers);
+    if (gathers) exchange.gather_columns(velocity, column, count, x, lanes, run.numbers);
     for (int r = 0; r < count; ++r) {
       const LaneBits strays = advance_any(reg + r, column, run.numbers[r]);
       if (!kScatter) continue;

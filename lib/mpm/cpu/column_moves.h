@@ -98,9 +98,12 @@ void ParticleStore<T>::move(int reg, int lane, const Slot& to) {
     numbers(reg)[c * W + lane] = empty_[c * W + lane];
   }
   const int slot = reg * W + lane;
+  const int place = to.reg * W + to.lane;
+  for (int a = 0; keeps_motion && a < 3; ++a) v[a][place] = v[a][slot];
+  for (int k = 0; keeps_motion && k < 9; ++k) C[k][place] = C[k][slot];
   const std::uint16_t own = control_of(particle[slot]);
   for (int a = 0; a < 3; ++a) x[a][slot] = rest(slot, a);
-  particle[to.reg * W + to.lane] = particle[slot];
+  particle[place] = particle[slot];
   particle[slot] = -1;
   Register &old_home = registers[reg], &home = registers[to.reg];
   home.row = home.lanes == 0 || home.row == old_home.row ? old_home.row : -1;

@@ -25,16 +25,25 @@ class CpuStepper final : public Stepper {
  public:
   CpuStepper(int threads, const StepperSetup& setup);
   long long load(const State& state) override {
-    drift_ = 0;
-    strays_ = 0;
-    const long long clamped = store_.load(state);
-    prepare();
-    return clamped;
+    const bool held = !setup_.rigid.empty() && (!loaded_ || rigid_.held());
+    loaded_ = true;
+    if (!held) return load_particles(state);
+    scratch_ = state;
+    rigid_.hold(scratch_, mass_);
+    rigid_.store(scratch_);
+    return load_particles(scratch_);
   }
-  void store(State& state) const override { store_.store(state); }
+  void store(State& state) const override {
+    store_.store(state);
+    if (rigid_.held()) rigid_.store(state);
+  }
   StepReport advance(int steps, double dt, const ControlSource& controls, double energy_limit) override;
   ElasticSummary summarise_elastic(const State& state) override { return mpm::summarise_elastic(setup_, state, team_); }
-  StepBounds measure_bounds(const State& state) override { return mpm::measure_bounds(setup_, state, team_); }
+  StepBounds measure_bounds(const State& state) override {
+    return mpm::measure_bounds(setup_, state, team_, rigid_.held());
+  }
+  RigidMotion* rigid() override { return setup_.rigid.empty() ? nullptr : &rigid_; }
+  void hold(bool rigid) override;
   StepperUsage usage() const override {
     const double blocks = std::pow((setup_.domain.n + kBlock) / kBlock, 3);
     return {team_.threads(), static_cast<double>(store_.map.grid_blocks.size()) / blocks, store_.bytes(),
@@ -43,10 +52,19 @@ class CpuStepper final : public Stepper {
 
  private:
   void prepare();
+  long long load_particles(const State& state) {
+    drift_ = 0;
+    strays_ = 0;
+    const long long clamped = store_.load(state);
+    prepare();
+    return clamped;
+  }
+  void prescribe_bodies();
   // The phases of a substep. Where one follows another, G2P of a substep and P2G of the next are one pass over the
   // particles, which read and write their numbers once.
   void p2g(double dt, StepReport& report) { pass<false, true>(dt, report); }
-  void grid_update_and_contact(double dt, StepReport& report);
+  // False: rigid bodies are to be let go first.
+  bool grid_update_and_contact(double dt, bool fresh, StepReport& report);
   void g2p(double dt, StepReport& report) { pass<true, false>(dt, report); }
   void g2p_and_p2g(double dt, StepReport& report) { pass<true, true>(dt, report); }
 
@@ -72,7 +90,12 @@ class CpuStepper final : public Stepper {
   double next_drift_ = 0;        // cells in the coming pass, at most
   double kinetic_ = 0;           // J, of the last gathered substep
   ControlTable before_, after_;  // of the substep that is scattered, of the one that was gathered
-  BlockPass<T> block_pass_{setup_, parameters_, store_, grid_, before_, after_};
+  RigidMotion rigid_;
+  std::vector<std::vector<std::uint16_t>> body_controls_;  // per rigid body: control groups of its particles
+  std::vector<double> mass_;                               // per particle [kg], where there are rigid bodies
+  State scratch_;
+  bool loaded_ = false;
+  BlockPass<T> block_pass_{setup_, parameters_, store_, grid_, rigid_, before_, after_};
 };
 
 template <class T>
@@ -81,13 +104,51 @@ CpuStepper<T>::CpuStepper(int threads, const StepperSetup& setup)
       team_(threads),
       dx_(setup.domain.dx()),
       store_(setup_, team_, kSafeCells),
-      grid_(setup_, team_, store_.map) {
+      grid_(setup_, team_, store_.map),
+      rigid_(setup_.rigid, dx_, setup_.domain.gravity) {
   for (const auto& p : setup_.parameters) parameters_.push_back(convert_parameters<T>(p));
+  for (const RigidBodyRest& body : setup_.rigid.bodies) {
+    std::vector<std::uint16_t> groups;
+    for (const int i : body.particles) {
+      const std::uint16_t group = setup_.control_group[i];
+      if (group != 0 && std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
+    }
+    body_controls_.push_back(groups);
+  }
+  for (size_t i = 0; !setup_.rigid.empty() && i < setup_.row.size(); ++i) {
+    mass_.push_back(setup_.parameters_of(i).density * setup_.volume[i]);
+  }
+}
+
+template <class T>
+void CpuStepper<T>::hold(bool rigid) {
+  if (setup_.rigid.empty() || rigid == rigid_.held()) return;
+  store(scratch_);
+  if (rigid) {
+    rigid_.hold(scratch_, mass_);
+    rigid_.store(scratch_);
+  } else {
+    rigid_.let_go();
+  }
+  load_particles(scratch_);
+}
+
+// What enforces the motion of a part of a body enforces that of all of it.
+template <class T>
+void CpuStepper<T>::prescribe_bodies() {
+  for (int b = 0; b < rigid_.count(); ++b) {
+    const Control* enforced = nullptr;
+    for (const std::uint16_t group : body_controls_[b]) {
+      if (!enforced && before_.active && before_.group[group].enforces()) enforced = &before_.group[group];
+    }
+    rigid_.prescribe(b, enforced);
+  }
 }
 
 template <class T>
 void CpuStepper<T>::prepare() {
   grid_.prepare();
+  if (!setup_.rigid.empty()) rigid_.set_near(grid_.near_rigid());
   reports_.assign(store_.map.particle_blocks.size(), {});
   done_ = std::vector<std::atomic<std::uint32_t>>(store_.map.waits_for.size());
 }
@@ -105,13 +166,28 @@ void CpuStepper<T>::sort(StepReport& report) {
 }
 
 template <class T>
-void CpuStepper<T>::grid_update_and_contact(double dt, StepReport& report) {
+bool CpuStepper<T>::grid_update_and_contact(double dt, bool fresh, StepReport& report) {
   const Stopwatch watch;
   GridEnergy energy;
   // Particle velocities are convex combinations of node velocities, so none is faster than the fastest node.
-  next_drift_ = grid_.update(dt, energy) * dt / dx_;
+  double speed = 0;
+  if (setup_.rigid.empty()) {
+    speed = grid_.update(dt, energy);
+  } else {
+    const double before = rigid_.kinetic();
+    prescribe_bodies();
+    if (!grid_.update(dt, fresh, rigid_, speed, report.push, energy)) {
+      report.seconds_grid += watch.seconds();
+      return false;
+    }
+    if (before_.active && rigid_.prescribes()) {
+      report.control_work += std::max(0.0, rigid_.kinetic() - before);
+    }
+  }
+  next_drift_ = speed * dt / dx_;
   if (setup_.measure_steps) ledger_.grid(energy);
   report.seconds_grid += watch.seconds();
+  return true;
 }
 
 template <class T>
@@ -137,7 +213,7 @@ void CpuStepper<T>::pass(double dt, StepReport& report) {
     for_each_block([&](int b) { reports_[b] = block_pass_.template run<kGather, kScatter, true>(b, dt); });
     ParticleEnergy energy;
     for (const BlockReport& r : reports_) energy.add(r.energy);
-    kGather ? ledger_.finish(energy) : ledger_.begin(energy);
+    kGather ? ledger_.finish(energy) : report.steps > 0 ? ledger_.resume(energy) : ledger_.begin(energy);
     report.energy = ledger_.total();
   } else {
     for_each_block([&](int b) { reports_[b] = block_pass_.template run<kGather, kScatter, false>(b, dt); });
@@ -186,14 +262,25 @@ StepReport CpuStepper<T>::advance(int steps, double dt, const ControlSource& con
   StepReport report;
   if (steps <= 0 || store_.slots() == 0) return report;
   before_.active = controls(0, before_.group);
+  store_.keeps_motion = !setup_.rigid.empty();
   p2g(dt, report);
+  store_.keeps_motion = false;
+  // While rigid bodies may run into something the state before each substep is kept.
+  bool fresh = true;
   while (true) {
-    grid_update_and_contact(dt, report);
+    if (!grid_update_and_contact(dt, fresh, report)) {
+      grid_.clear();
+      report.impact = true;
+      return report;
+    }
     std::swap(after_, before_);
     expect_actions(dt);
     sort_if_due(report);
     const bool last = report.steps + 1 == steps;
+    fresh = rigid_.held() && rigid_.alert();
     if (last) {
+      g2p(dt, report);
+    } else if (fresh) {
       g2p(dt, report);
     } else {
       before_.active = controls(report.steps + 1, before_.group);
@@ -201,6 +288,12 @@ StepReport CpuStepper<T>::advance(int steps, double dt, const ControlSource& con
     }
     drift_ += next_drift_;
     ++report.steps;
+    if (fresh && !last && report.fault == StepFault::none) {
+      before_.active = controls(report.steps, before_.group);
+      store_.keeps_motion = true;
+      p2g(dt, report);
+      store_.keeps_motion = false;
+    }
     if (report.fault == StepFault::none && kinetic_ > energy_limit + 2 * report.control_work) {
       report.fault = StepFault::energy;
     }

@@ -16,6 +16,7 @@
 #include "mpm/cpu/buffer.h"
 #include "mpm/cpu/grid_layout.h"
 #include "mpm/energy_budget.h"
+#include "mpm/rigid/rigid_motion.h"
 #include "mpm/stepper_setup.h"
 
 namespace physmas::mpm {
@@ -42,6 +43,8 @@ class Grid {
 
   // After every sort.
   void prepare();
+  // Per rigid body: whether an obstacle or another body is near.
+  std::vector<char> near_rigid() const;
   // {0, vx, vy, vz} of a body's nodes, from the first node of a particle block on.
   const T* velocity(const ParticleBlock& block, int body) const {
     return fields_[body].velocity.data() + kApart + offset(block.position);
@@ -55,6 +58,9 @@ class Grid {
   // Updates all active nodes and clears their momentum; returns the largest velocity component [m/s]. energy: filled
   // when measured.
   double update(double dt, GridEnergy& energy);
+  // The same where some bodies are rigid, which it moves, or are let go for an impact. push: what contact does to each
+  // of the latter, added up [kg m/s]. False: bodies run into something and are to be let go first; nothing has changed.
+  bool update(double dt, bool fresh, RigidMotion& rigid, double& speed, std::vector<Vec3d>& push, GridEnergy& energy);
   // Clears all active nodes.
   void clear();
   size_t bytes() const {
@@ -81,6 +87,7 @@ class Grid {
       function(r, first + r / kBlock * layout.step_x() + r % kBlock * layout.step_y());
     }
   }
+  void prepare_rigid();
   typedef T Nodes __attribute__((vector_size(kNodeRow * sizeof(T))));  // of one node row
   // Grid update: what nodes have received, {m, p}, to {0, u}, and a fall by gravity [m/s].
   static PHYSMAS_INLINE Nodes grid_update(const Nodes& received, const Nodes& fall);
@@ -95,6 +102,16 @@ class Grid {
   void contact(const GridBlock& block, const T* received, T* nodes) const;
   template <bool kMeasure, bool kMeets>
   double update_block(int index, double dt);
+  // The same for block r of those that rigid bodies reach, in two halves.
+  struct RigidBlock;
+  struct RigidNodes;
+  void find_held_nodes(RigidBlock& block) const;
+  void gather_nodes(const RigidBlock& block, double dt, RigidNodes& nodes) const;
+  void collect(RigidBlock& block, RigidNodes& nodes, double dt, const RigidMotion& rigid) const;
+  template <bool kMeasure>
+  double update_rigid_block(RigidBlock& block, RigidNodes& nodes, double dt, const RigidMotion& rigid);
+  void measure_rigid_nodes(const RigidBlock& block, const RigidNodes& nodes, const double (&left)[3][kBlockNodes],
+                           const double (&locked)[3][kBlockNodes], bool held);
 
   static constexpr int kChunk = 8;  // blocks that a thread takes at once: one alone is less than a microsecond
 
@@ -111,10 +128,14 @@ class Grid {
   std::vector<int> meetings_, meeting_of_;  // indices of active blocks; per active block, -1: none
   std::vector<int> meeting_bounds_;         // of the threads' blocks
   std::vector<T> mass_gradients_;
-  std::vector<std::uint8_t> obstacle_;  // per active block: a wall or collider may touch it
-  std::vector<int> chunk_bounds_;       // of the threads' chunks of blocks
-  std::vector<double> speed_;           // per active block: largest velocity component [m/s]
-  std::vector<GridEnergy> energy_;      // per active block, when measured
+  std::vector<std::uint8_t> obstacle_;    // per active block: a wall or collider may touch it
+  std::vector<int> chunk_bounds_;         // of the threads' chunks of blocks
+  std::vector<double> speed_;             // per active block: largest velocity component [m/s]
+  std::vector<GridEnergy> energy_;        // per active block, when measured
+  std::vector<RigidBlock> rigid_blocks_;  // those that rigid bodies reach
+  std::vector<RigidNodes> rigid_nodes_;   // of each
+  std::vector<int> rigid_block_of_;       // per active block, -1: none
+  RigidSystem rigid_system_;
 };
 
 template <class T>
@@ -133,6 +154,7 @@ void Grid<T>::prepare() {
   chunk_bounds_.resize(team_.threads() + 1, chunks);
   meetings_.clear();
   if (fields_.size() == 1) return;
+  if (!setup_.rigid.empty()) return prepare_rigid();
   meeting_of_.assign(map_.grid_blocks.size(), -1);
   for (size_t b = 0; b < map_.grid_blocks.size(); ++b) {
     if (__builtin_popcount(map_.grid_blocks[b].bodies) < 2) continue;
@@ -341,5 +363,7 @@ double Grid<T>::update(double dt, GridEnergy& energy) {
 }
 
 }  // namespace physmas::mpm
+
+#include "mpm/cpu/grid_rigid.h"
 
 #endif

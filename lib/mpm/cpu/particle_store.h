@@ -67,6 +67,7 @@ class ParticleStore {
   };
   std::vector<Register> registers;
   bool has_strength = false, has_elasticity = false;
+  bool keeps_motion = false;  // v and C go with a particle that moves to another slot
 
   int slots() const { return slots_; }
   // The numbers of a register of slots, W per channel: x, F, volume, then the optional ones.

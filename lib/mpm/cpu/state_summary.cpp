@@ -71,7 +71,7 @@ ElasticSummary summarise_elastic(const StepperSetup& setup, const State& state, 
   return total;
 }
 
-StepBounds measure_bounds(const StepperSetup& setup, const State& state, Team& team) {
+StepBounds measure_bounds(const StepperSetup& setup, const State& state, Team& team, bool rigid_held) {
   using V = Lanes<double>;
   struct Partial {
     double softness = std::numeric_limits<double>::infinity();  // ρ/a
@@ -84,7 +84,8 @@ StepBounds measure_bounds(const StepperSetup& setup, const State& state, Team& t
         for (int l = 0; l < kLanes<double>; ++l) {
           if (!mine[l]) continue;
           const int i = first + l;
-          out.softness = std::min(out.softness, setup.parameters_of(i).density / double(stiffness[l]));
+          if (!rigid_held || setup.rigid.body_of(setup.row[i]) < 0)
+            out.softness = std::min(out.softness, setup.parameters_of(i).density / double(stiffness[l]));
           out.speed = std::max(out.speed, dot(state.v[i], state.v[i]));
           out.gradient = std::max(out.gradient, squared_norm(state.C[i]));
         }

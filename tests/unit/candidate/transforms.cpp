@@ -358,7 +358,7 @@ TEST_CASE("candidate: step-size rule") {
   const WholeObject whole;
   RunSpecification::Time time;
   // Independent script: c_ref = 56.655772 m/s; the fallback whole-object row alone moves at 27.20 m/s < 0.7 c_ref.
-  TimestepResult t = step_size({}, whole, time);
+  TimestepResult t = step_size({}, whole, time, 0.02);
   CHECK(t.c_ref == Approx(56.6557723733));
   CHECK(t.c_max == Approx(wave_speed(5e5, 0.476, 5000)));
   CHECK(t.target == 2e-4);
@@ -367,26 +367,26 @@ TEST_CASE("candidate: step-size rule") {
   CHECK(t.capped_by == "none");
   CandidateRow row;
   row.E = 1e7, row.nu = 0.35, row.rho = 2500;  // sqrt(2) c_ref: target = 0.7 * 2e-4 / sqrt(2), 404.06 -> 405
-  t = step_size({row}, whole, time);
+  t = step_size({row}, whole, time, 0.02);
   CHECK(t.target == Approx(1.4e-4 / std::sqrt(2.0)));
   CHECK(t.substeps == 405);
   CHECK(t.dt == 0.04 / 405);
   row.E = 3e11;
-  t = step_size({row}, whole, time);
+  t = step_size({row}, whole, time, 0.02);
   CHECK(t.substeps == 800);
   CHECK(t.dt == Approx(5e-5));
   CHECK(t.capped_by == "min_substep_dt");
   time.max_substeps = 300;
-  CHECK(step_size({row}, whole, time).substeps == 300);
-  CHECK(step_size({row}, whole, time).capped_by == "max_substeps");
+  CHECK(step_size({row}, whole, time, 0.02).substeps == 300);
+  CHECK(step_size({row}, whole, time, 0.02).capped_by == "max_substeps");
   time.min_substep_dt = 1.5e-4;  // floor(0.04 / 1.5e-4) = 266
-  CHECK(step_size({row}, whole, time).substeps == 266);
+  CHECK(step_size({row}, whole, time, 0.02).substeps == 266);
   // Exactly at the threshold nothing changes; the whole-object row counts.
   row.E = 0.49 * 5e6;
-  CHECK(step_size({row}, whole, time).target == Approx(2e-4));
+  CHECK(step_size({row}, whole, time, 0.02).target == Approx(2e-4));
   WholeObject fast;
   fast.E = 1e9, fast.nu = 0.3, fast.rho = 1000;
-  CHECK(step_size({row}, fast, time).c_max == Approx(wave_speed(1e9, 0.3, 1000)));
+  CHECK(step_size({row}, fast, time, 0.02).c_max == Approx(wave_speed(1e9, 0.3, 1000)));
 }
 
 TEST_CASE("candidate: schedule") {
@@ -580,8 +580,8 @@ TEST_CASE("candidate: a material field gives rows its median density, and partic
   // Without the stiff rows the fastest particle decides: 1e7 Pa at 400 kg/m^3; that of a row without a field does not.
   const WholeObject soft = {"fallback", -1, Branch::plasticine, 1, 0.3, 1000};
   const std::vector<CandidateRow> sponge = {with.rows[1]};
-  CHECK(step_size(sponge, soft, {}, &state).c_max == Approx(wave_speed(1e7, 0.3, 400)));
-  CHECK(step_size(sponge, soft, {}).c_max == Approx(wave_speed(1e5, 0.3, 400)));
+  CHECK(step_size(sponge, soft, {}, 0.02, &state).c_max == Approx(wave_speed(1e7, 0.3, 400)));
+  CHECK(step_size(sponge, soft, {}, 0.02).c_max == Approx(wave_speed(1e5, 0.3, 400)));
 }
 
 TEST_CASE("candidate: what is stated of a row holds in every candidate and repair, as it stands") {
