@@ -157,7 +157,7 @@ long long GpuStepper<T>::load(const State& state) {
   numbers_.upload(numbers);
   ints_.upload(ints);
   sort();
-  pool_.clear();
+  pool_.clear();  // also of what a run left that ended with a fault
   sums_ = 0;
   drift_ = 0;
   queue_.wait();
@@ -416,7 +416,6 @@ StepReport GpuStepper<T>::advance(int steps, double dt, const ControlSource& con
     sorted = true;
     drift = drift_ = 0;
   }
-  if (report.fault != StepFault::none) pool_.clear();
   queue_.wait();
   report.seconds_particles = watch.seconds() - report.seconds_sort;
   return report;

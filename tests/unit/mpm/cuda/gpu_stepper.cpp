@@ -7,6 +7,7 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <numeric>
 
 #include "mpm/cpu/cpu_stepper.h"
@@ -441,6 +442,15 @@ TEST_CASE("mpm gpu: faults are those of the CPU, in the same substep") {
   SUBCASE("not finite, by one particle, which can be told from the others") {
     Problem p = one_block({Branch::jelly, 5e4, 0.3, 1000});
     p.particles.velocity[17] = {std::nan(""), 0, 0};
+    const Run expected = by_cpu(p), run = by_gpu(p, Precision::single);
+    CHECK(expected.report.fault == StepFault::not_finite);
+    CHECK(run.report.fault == StepFault::not_finite);
+    CHECK(run.report.steps == expected.report.steps);
+    CHECK(!std::isfinite(run.state.v[17].x));
+  }
+  SUBCASE("not finite, by a stress, whose particle can be told from the others, too") {
+    Problem p = one_block({Branch::jelly, 5e4, 0.3, 1000});
+    p.particles.deformation_gradient[17][0].x = std::numeric_limits<double>::infinity();
     const Run expected = by_cpu(p), run = by_gpu(p, Precision::single);
     CHECK(expected.report.fault == StepFault::not_finite);
     CHECK(run.report.fault == StepFault::not_finite);
