@@ -416,6 +416,14 @@ hardening-cluster: all ## Kill a batch on a cluster at random moments and print 
 bench: $(BENCH_SOURCES:tests/bench/%.cpp=$(BUILD)/bench/%) ## Speed of the solver, the renderer and lifting
 	$(Q)for b in $^; do $$b || exit; done
 
+# A page of pm-render --html in a headless Chromium, which draws in software; of a run in RUN that was accepted, unless VIEWER= names one.
+VIEWER ?=
+.PHONY: viewer-speed
+viewer-speed: $(if $(VIEWER),,$(BIN)/pm-render) ## Milliseconds a frame of the 3D viewer in a headless Chromium: [VIEWER=page.html] [RUN=runs/demo]
+	$(Q)$(if $(VIEWER),,run=$(or $(RUN),runs/demo); id=$$(sed -n 's/^  "candidate": "\(.*\)",/\1/p' $$run/accepted.json) && [ -n "$$id" ] && \
+	  $(BIN)/pm-render --scene $$run/spec/render.json --state $$run/state.h5 --rollout $$run/rollouts/$$id.h5 --out $(BUILD)/viewer-speed.mp4 --html $(BUILD)/viewer-speed.html --quiet && \
+	)python3 tests/tools/viewer_speed.py $(or $(VIEWER),$(BUILD)/viewer-speed.html)
+
 # --- Studies of the solver ----------------------------------------------------------------------------------------
 
 .PHONY: stability

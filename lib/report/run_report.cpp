@@ -233,9 +233,11 @@ class Report {
     if (beside)
       omitted_.push_back({"videos of some candidates",
                           "together they are too large for the page; they are played from the run's folder"});
-    return "<section id=\"candidates\"><h2>What was tried</h2>\n<p><button type=\"button\" id=\"play-all\">Play all "
-           "together</button></p>\n<div class=\"cards\">" +
-           html + "</div></section>\n";
+    const bool has_video =
+        std::any_of(run_.attempts.begin(), run_.attempts.end(), [](const auto& a) { return !a.video.empty(); });
+    return std::string("<section id=\"candidates\"><h2>What was tried</h2>\n") +
+           (has_video ? "<p><button type=\"button\" id=\"play-all\">Play all together</button></p>\n" : "") +
+           "<div class=\"cards\">" + html + "</div></section>\n";
   }
 
   std::string viewer() {

@@ -258,7 +258,7 @@ Image fit_into(const Image& picture, int width, int height) {
 }
 
 void write_caption(Image& picture, const std::vector<std::string>& paragraphs) {
-  constexpr int kMargin = 6, kLine = 16;
+  constexpr int kMargin = 6, kLine = 16, kCaptionShare = 3;
   constexpr double kShine = 0.2;
   const auto width_of = [](const std::string& text) {
     int base = 0;
@@ -279,8 +279,13 @@ void write_caption(Image& picture, const std::vector<std::string>& paragraphs) {
     }
     if (!line.empty()) lines.push_back(line);
   }
-  const size_t room = static_cast<size_t>(std::max(0, (picture.height - 2 * kMargin) / kLine));
-  if (lines.size() > room) lines.resize(room);
+  // The picture below stays what one looks at; where it is as good as nothing, a line fits.
+  const int most = picture.height / kCaptionShare - 2 * kMargin, least = picture.height - 2 * kMargin >= kLine ? 1 : 0;
+  const size_t room = static_cast<size_t>(std::max(least, most / kLine));
+  if (lines.size() > room) {
+    lines.resize(room);
+    if (room > 0) lines.back() += " ...";
+  }
   if (lines.empty()) return;
   int width = 0;
   for (const std::string& line : lines) width = std::max(width, width_of(line));

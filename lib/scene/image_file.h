@@ -38,7 +38,7 @@ Image decode_rgba(const std::string& bytes, const std::string& path, uint64_t mo
 Image fit_into(const Image& picture, int width, int height);
 
 // Writes paragraphs (in ASCII) into the picture's upper left corner, on white that the picture shines through a little;
-// they are wrapped at its right edge, and those that do not fit are left out.
+// they are wrapped at its right edge, and what does not fit into its upper third is left out.
 void write_caption(Image& picture, const std::vector<std::string>& paragraphs);
 
 // Pictures side by side in a grid of `columns`, each with its caption (such as the frame number, in ASCII) below it,

@@ -60,6 +60,11 @@ TEST_CASE("scene: what does not fit into a picture is left out") {
   Image small = grey(64, 40);
   write_caption(small, {"an abcdefghijklmnopqrstuvwxyz-long word", "and another", "and another", "and another"});
   CHECK(changed(small).height <= 40);
+  // The picture stays what one looks at.
+  Image large = grey(300, 240);
+  write_caption(large, std::vector<std::string>(20, "a reason that nothing was accepted"));
+  CHECK(changed(large).height > 40);
+  CHECK(changed(large).height <= 80);
   Image tiny = grey(16, 8), empty = grey(64, 64);
   write_caption(tiny, {"text"});
   write_caption(empty, {});
