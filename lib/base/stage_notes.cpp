@@ -13,14 +13,14 @@
 namespace physmas {
 namespace {
 
-constexpr size_t kMostBytes = 1 << 16;
+constexpr size_t kMostNoteBytes = 1 << 16;
 
 std::string stem_of_stage() {
   const char* stem = std::getenv("PM_STAGE");
   return stem != nullptr ? stem : "";
 }
 
-void note(const char* kind, const char* other, const std::string& text) {
+void write_note(const char* kind, const char* other, const std::string& text) {
   const std::string stem = stem_of_stage();
   if (stem.empty()) return;
   try {
@@ -35,7 +35,7 @@ std::string text_of(const std::string& path) {
   std::error_code failure;
   if (!std::filesystem::is_regular_file(path, failure)) return "";
   try {
-    return read_file(path, kMostBytes);
+    return read_file(path, kMostNoteBytes);
   } catch (const std::exception&) {
     return "";
   }
@@ -44,11 +44,11 @@ std::string text_of(const std::string& path) {
 }  // namespace
 
 void note_time(double seconds, long long peak_memory_bytes) {
-  note(".time", ".failed", fmt::format("{:.3f} {}\n", seconds, peak_memory_bytes));
+  write_note(".time", ".failed", fmt::format("{:.3f} {}\n", seconds, peak_memory_bytes));
 }
 
 void note_failure(const std::string& tool, int code, const std::string& message) {
-  note(".failed", ".time", fmt::format("{} {}\n{}\n", tool, code, one_line(message, 4000)));
+  write_note(".failed", ".time", fmt::format("{} {}\n{}\n", tool, code, one_line(message, 4000)));
 }
 
 std::optional<StageTime> read_stage_time(const std::string& stem) {
