@@ -60,7 +60,7 @@ def slurm(action, *words):
 
 
 def processes(text, inside=None):
-    """Numbers of the processes with the text in their command line that have this Slurm."""
+    """Numbers of the processes with the text in their command line that have this Slurm; guards, which have another script's, are none of them."""
     found = []
     mark = ("SLURM_CONF=" + environment["SLURM_CONF"]).encode()
     for name in os.listdir("/proc"):
@@ -73,7 +73,7 @@ def processes(text, inside=None):
                 variables = file.read().split(b"\0")
         except OSError:
             continue
-        if text.encode() in line and mark in variables and (inside is None or any(v.startswith(inside) for v in variables)):
+        if text.encode() in line and b"slurm-guard" not in line and mark in variables and (inside is None or any(v.startswith(inside) for v in variables)):
             found.append(int(name))
     return found
 
@@ -151,7 +151,7 @@ try:
             os.kill(make.pid, signal.SIGKILL)
             make.wait()
         elif what in ("srun", "slurm-job.sh"):
-            targets = [p for p in processes(what) if "slurm-guard" not in open("/proc/%d/cmdline" % p).read()]
+            targets = processes(what)
             if not targets:
                 continue
             try:
