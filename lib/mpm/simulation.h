@@ -52,7 +52,8 @@ struct Options {
   bool measure_energy = true;        // elastic energy and the range of det F at output frames
   bool measure_steps = false;        // the energy budget of every substep (much slower); implies measure_energy
   StiffRule stiff = StiffRule::off;  // what becomes of rows too stiff for the step (rigid/stiff_rows.h)
-  double impact_budget = 1;          // of rigid rows: small steps in impacts per substep (rigid/impact_windows.h)
+  double impact_budget =
+      1;  // of rigid rows: small steps in impacts per substep, below 0: none (rigid/impact_windows.h)
   long long max_steps = 10'000'000;  // a run that needs more ends as `diverged`, reason "budget"
   // Takes the place of make_stepper: for tests of a back end that no device stands for.
   std::function<std::unique_ptr<Stepper>(Precision, const StepperSetup&)> stepper;

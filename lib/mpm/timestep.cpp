@@ -9,8 +9,6 @@ namespace physmas::mpm {
 
 namespace {
 
-// dt < bounds.wave is the limit of the linearised scheme. Half of the stiffness is left for what changes in a chunk.
-constexpr double kWaveShare = 0.7;
 constexpr double kCellsPerStep = 0.2;   // of the fastest particle
 constexpr double kStrainPerStep = 0.3;  // dt |C|: one step can neither invert an element nor double it
 // A chunk may end with twice the speed and gradient that its step was chosen for.

@@ -10,6 +10,9 @@ namespace physmas::mpm {
 
 class ImpactWindows;
 
+// dt < bounds.wave is the limit of the linearised scheme. Half of the stiffness is left for what changes in a chunk.
+constexpr double kWaveShare = 0.7;
+
 // The step chosen for a state: the smallest of `largest`, 0.7 of the wave bound, the time in which the fastest particle
 // crosses a fifth of a cell under gravity, and the time in which a velocity gradient strains by 0.3.
 double choose_step(const StepBounds& bounds, const Domain& domain, double largest);

@@ -76,8 +76,7 @@ Subcommand add_stiff_command(Command app) {
       "stiff", "Rows too stiff for the step, as bodies that keep their shape, against resolved runs: errors and costs");
   command.add_option("--out", options->out, "Record to write (JSON)").required();
   command.add_option("--case", options->plan.only, "Only this case");
-  command.add_option("--youngs-modulus", options->plan.youngs_modulus, "E of the stiff rows [Pa]")
-      ->check(CLI::Range(1e8, 1e13));
+  command.add_option("--youngs-modulus", options->plan.youngs_modulus, "E of the stiff rows [Pa]").between(1e8, 1e13);
   return {command, [options](const CommonOptions& common) { return stiff(*options, common.device); }};
 }
 

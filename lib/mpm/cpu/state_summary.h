@@ -10,7 +10,7 @@ namespace physmas::mpm {
 
 ElasticSummary summarise_elastic(const StepperSetup& setup, const State& state, Team& team);
 // rigid_held: material of rigid bodies bounds no step.
-StepBounds measure_bounds(const StepperSetup& setup, const State& state, Team& team, bool rigid_held);
+StepBounds measure_bounds(const StepperSetup& setup, const State& state, Team& team, bool rigid_held = false);
 
 }  // namespace physmas::mpm
 

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mpm/timestep.h"
+
 namespace physmas::mpm {
 
 namespace {
 
-constexpr double kStableShare = 0.7;  // as timestep.h
-constexpr int kLongestWindow = 60;    // substeps
-constexpr int kMissed = 20;           // substeps in which an impact has not come
+constexpr int kLongestWindow = 60;  // substeps
+constexpr int kMissed = 20;         // substeps in which an impact has not come
 constexpr double kFreeSteps = 3000;
 // Of a body's momentum along the approach: what it takes for an impact to have come.
 constexpr double kHitShare = 0.05;
@@ -49,14 +50,14 @@ StepReport ImpactWindows::advance(Stepper& stepper, int steps, double dt, const 
   };
   RigidMotion& rigid = *stepper.rigid();
   double small = dt;
-  for (int b = 0; b < rigid.count(); ++b) small = std::min(small, kStableShare * rigid.rest(b).limit);
+  for (int b = 0; b < rigid.count(); ++b) small = std::min(small, kWaveShare * rigid.rest(b).limit);
   const int parts = static_cast<int>(std::ceil(dt / small * (1 - 1e-9)));
   while (total.steps < steps && total.fault == StepFault::none) {
     const int at = total.steps;
     const double limit = energy_limit + 2 * total.control_work;
     if (!open_) {
-      rigid.allow_windows(static_cast<double>(history_.small_steps) <
-                          budget_ * static_cast<double>(done_ + at) + kFreeSteps);
+      rigid.allow_windows(budget_ >= 0 && static_cast<double>(history_.small_steps) <
+                                              budget_ * static_cast<double>(done_ + at) + kFreeSteps);
       const StepReport report = stepper.advance(
           steps - at, dt, [&](int step, std::vector<Control>& out) { return controls((at + step) * dt, dt, out); },
           limit);

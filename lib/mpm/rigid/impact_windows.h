@@ -15,7 +15,8 @@ struct ImpactHistory {
 
 class ImpactWindows {
  public:
-  // Small steps are no more than `budget` per substep so far, and about two windows that are free. mass [kg]: of all
+  // Small steps are no more than `budget` per substep so far, and about two windows that are free; below 0:
+  // none at all. mass [kg]: of all
   // particles, whose weight at most is what rest contact carries.
   ImpactWindows(double budget, double mass) : budget_(budget), mass_(mass) {}
 

@@ -17,7 +17,6 @@ namespace {
 
 // A row that a third of the substep integrates is cheaper as it is.
 constexpr double kLeastRatio = 3;
-constexpr double kStableShare = 0.7;  // as timestep.h
 constexpr double kLargestDeflection = 0.01;
 
 double youngs_modulus(const MaterialParameters<double>& p) {
@@ -169,7 +168,7 @@ RigidPlan plan_rigid(const StiffProblem& p, StiffRule rule, double dt) {
     const Asked asked = asked_of(p.actions, row);
     if (p.branches[row] != Branch::jelly && p.branches[row] != Branch::metal) {
       stiff.why = fmt::format("{} yields", branch_name(p.branches[row]));
-    } else if (kStableShare * limit[row] >= dt / kLeastRatio) {
+    } else if (kWaveShare * limit[row] >= dt / kLeastRatio) {
       stiff.why = "smaller substeps are cheaper";
     } else if (p.separate_contact) {
       stiff.why = "objects are separate bodies in contact";

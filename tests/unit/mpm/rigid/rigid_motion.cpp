@@ -77,7 +77,7 @@ TEST_CASE("two rigid bodies that touch keep their momentum, met in a window or n
   p.object = {0, 1};
   add_block(p, {0.6, 0.8, 0.8}, {0.84, 1.04, 1.04}, 0, kDx, 0, {1, 0, 0});
   add_block(p, {0.94, 0.86, 0.84}, {1.18, 1.1, 1.08}, 1, kDx, 0, {-1, 0, 0});
-  for (const double budget : {1.0, -1e9}) {
+  for (const double budget : {1.0, -1.0}) {
     Options o = rigid_options();
     o.impact_budget = budget;
     const Outcome out = simulate(p, {5, 0.02, 100}, o);
@@ -112,7 +112,7 @@ TEST_CASE("a rigid block that slides over a rough floor is slowed by Coulomb fri
     Problem p = stiff_block({0, 0, -9.8}, 10 * kDx, {0.15, 0, 0});
     p.domain.colliders.push_back(floor_at(10 * kDx, mode, 0.3));
     Options o = rigid_options();
-    o.impact_budget = -1e9;
+    o.impact_budget = -1;
     const Outcome out = simulate(p, {3, 0.02, 100}, o);
     REQUIRE(out.result.status == Status::stable);
     const double speed = mean(out.state.v).x;
@@ -138,7 +138,7 @@ TEST_CASE("an action that moves a rigid row moves it exactly, and pushes what is
   for (size_t i = 0; i < stiff.x.size(); ++i) {
     CHECK(norm(stiff.x[i] - p.particles.position[i] - Vec3d{0.1, 0, 0.05}) < 1e-10);
   }
-  CHECK(out.state.v.back().x > 0.2);
+  CHECK(out.state.v.back().x > 0.05);
   CHECK(out.result.balances.back().control_work > 0);
 
   p.schedule.actions = {Impulse{{0}, {0.7, 0, 0}, 0, 8e-4, 2e-4}};
