@@ -12,6 +12,8 @@ namespace {
 
 constexpr int kMostIterations = 30;
 constexpr int kMostHalvings = 6;
+// Where a whole step comes to other contacts the residual may grow before it falls; so many may do that.
+constexpr int kFreeIterations = 10;
 constexpr double kRest = 1e-24;     // squared, of the residual over the motion
 constexpr double kGoodStep = 1e-2;  // by which old factors have to shrink the squared residual
 
@@ -239,7 +241,7 @@ std::vector<Twist> RigidSolver::solve(const RigidSystem& system, const std::vect
     for (int halving = 0;; ++halving, length /= 2) {
       next = stepped(at, step, length);
       next_size = residual(system, next, trial_gradient_);
-      if (next_size <= size || halving == kMostHalvings || !fresh) break;
+      if (next_size <= size || halving == kMostHalvings || !fresh || iterations_ <= kFreeIterations) break;
     }
     if (!fresh && !(next_size < kGoodStep * size)) {
       // The contacts are not those that the factors were made for.
@@ -247,7 +249,8 @@ std::vector<Twist> RigidSolver::solve(const RigidSystem& system, const std::vect
       fresh = true;
       continue;
     }
-    const bool slow = !(next_size < kGoodStep * size), stuck = !(next_size < size);
+    const bool slow = !(next_size < kGoodStep * size);
+    const bool stuck = !(next_size < size) && iterations_ > kFreeIterations;
     at = next;
     size = next_size;
     std::swap(gradient_, trial_gradient_);
