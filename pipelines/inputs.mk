@@ -83,20 +83,20 @@ BUNDLE_FILES := $(sort $(BUNDLE)/scene.json $(call held,$(wildcard $(BUNDLE)/*.*
 ifneq ($(EXAMPLE),)
 $(STAMPS)/bundle: $(EXAMPLES)$(EXAMPLE).json $(RUN)/request $(call missing,$(BUNDLE)/scene.json) $(call promised,bundle) | $(call built,pm-scene)
 	$(call stage,synth,$(BUNDLE))
-	@$(call job,$(@F),$(threads),$(job_inputs),$(BUNDLE)/scene.json,$@.log) \
-	$(BIN)/pm-scene synth $< --out $(BUNDLE) --threads $(threads) $(or_explain)
+	@$(explain) $(call job,$(@F),$(threads),$(job_inputs),$(BUNDLE)/scene.json,$@.log) \
+	$(BIN)/pm-scene synth $< --out $(BUNDLE) --threads $(threads)
 	$(call finish,$(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.* $(BUNDLE)/*/*/*/*.*)
 else
 $(STAMPS)/bundle: $(foreach v,GAUSSIANS SPEC INVENTORY PHYSGAUSSIAN MATERIALS CAMERAS DATAPARSER,$(in_make_$(v))) $(FOLDERS) $(RUN)/request \
                   $(call missing,$(BUNDLE)/scene.json) $(call promised,bundle) | $(call built,pm-scene)
 	$(call stage,import,$(BUNDLE))
-	@set -f; $(call job,$(@F),$(threads),$(job_inputs) $(in_make_MASKS) $(in_make_VIEWS),$(BUNDLE)/scene.json,$@.log) \
+	@set -f; $(explain) $(call job,$(@F),$(threads),$(job_inputs) $(in_make_MASKS) $(in_make_VIEWS),$(BUNDLE)/scene.json,$@.log) \
 	$(BIN)/pm-scene import --prompt="$$PM_ASKED_PROMPT" --out $(BUNDLE) \
 	  $(call option,--up=,UP) $(call option,--front=,FRONT) $(call option,--inventory=,INVENTORY) $(call option,--masks=,MASKS) \
 	  $(call option,--views=,VIEWS) $(call option,--cameras=,CAMERAS) $(call option,--dataparser-transforms=,DATAPARSER) \
 	  $(call option,--run=,SPEC) $(call option,--physgaussian=,PHYSGAUSSIAN) $(call option,--materials=,MATERIALS) $(call option,--opacity-threshold=,OPACITY) \
 	  $(if $(CROP),--crop $$PM_ASKED_CROP) $(READ:%=--read %) $(call option,--drop=,DROP) $(call option,--azimuth=,AZIMUTH) \
-	  $(call option,--elevation=,ELEVATION) --threads $(threads) -- "$$PM_ASKED_GAUSSIANS" $(or_explain)
+	  $(call option,--elevation=,ELEVATION) --threads $(threads) -- "$$PM_ASKED_GAUSSIANS"
 	$(call finish,$(BUNDLE)/*.* $(BUNDLE)/*/*.* $(BUNDLE)/*/*/*.* $(BUNDLE)/*/*/*/*.*)
 endif
 $(BUNDLE_FILES): $(STAMPS)/bundle ;

@@ -58,10 +58,9 @@ promised = $(call missing,$(STAMPS)/$(1).files $(addprefix $(RUN)/,$(call held,$
 
 # Tools note beside the stamp how long a stage took, or why it failed (lib/base/stage_notes.h).
 $(RUN)/.stamps/%: export PM_STAGE = $@
-# $(or_explain): behind the command of a stage. Where that fails, the page of the run says so; make ends as it would without.
-or_explain = || { status=$$?; rm -f $(STAMPS)/report; \
-  PM_STAGE= $(call job,report-failed,1,$(RUN),,$(STAMPS)/report-failed.log) $(BIN)/pm-report --run $(RUN) --failed $(@F) --status $$status --threads 1 >/dev/null 2>&1 && \
-  echo "$(RUN)/report.html says what failed and what to do" >&2; exit $$status; }
+# $(explain): in front of a stage's job. Where it fails, the page of the run says so; make ends as it would without. Make passes an
+# interruption on to what the recipe starts: one command, without anything behind it.
+explain = bash $(PIPELINES)explained.sh $(RUN) $(@F) $(BIN) --
 
 .PHONY: FORCE
 FORCE:
@@ -86,9 +85,9 @@ $(STAMPS)/spec: $(BUNDLE_FILES) $(RUN)/settings $(RUN)/changes $(if $(GAUSSIANS)
 	$(call stage,spec,$(RUN)/spec)
 	@set -f; settings=(); for s in $$PM_ASKED_SET $(if $(CAMERA),"render.camera=$$PM_ASKED_CAMERA"); do settings+=("--set=$$s"); done; \
 	for s in $$PM_ASKED_DEFAULTS; do settings+=("--default=$$s"); done; \
-	$(call job,$(@F),1,$(job_inputs) $(BUNDLE),$(SLICES),$@.log) \
+	$(explain) $(call job,$(@F),1,$(job_inputs) $(BUNDLE),$(SLICES),$@.log) \
 	$(BIN)/pm-scene slice --scene "$$PM_SCENE_FILE" --out $(RUN)/spec "$${settings[@]}" \
-	  $(if $(GAUSSIANS),,$(call option,--prompt=,PROMPT) $(call option,--overrides=,SPEC)) $(or_explain)
+	  $(if $(GAUSSIANS),,$(call option,--prompt=,PROMPT) $(call option,--overrides=,SPEC))
 	$(call finish,$(RUN)/spec/camera.mk)
 $(SLICES): $(STAMPS)/spec ;
 
@@ -110,18 +109,18 @@ $(STAMPS)/ground: $(RUN)/spec/ground.json $(RUN)/ground-models $(REPLAYED_SCENE_
                   $(call missing,$(GROUNDED)) $(call promised,ground) | $(call built,pm-ground)
 	$(call stage,ground,$(RUN)/inventory.json)
 	@$(if $(or $(PLAN),$(and $(SCENE_AGENT),$(BODY))),,$(call or_base,spec/ground.json ground-models,inventory.json plan.json masks.h5)) \
-	$(call job,$(@F),$(threads),$(job_inputs),$(GROUNDED),$@.log) \
+	$(explain) $(call job,$(@F),$(threads),$(job_inputs),$(GROUNDED),$@.log) \
 	$(BIN)/pm-ground --scene $< --out $(RUN) $(call option,--agent=,SCENE_AGENT) $(if $(SCENE_AGENT),$(call option,--model=,MODEL)) \
 	  $(call option,--perception=,PERCEPTION) $(if $(call given,SCENE_AGENT PERCEPTION),$(call server_options,SCENE_AGENT)) \
-	  $(call option,--plan=,PLAN) $(call option,--material=,MATERIAL) --threads $(threads) $(or_explain)
+	  $(call option,--plan=,PLAN) $(call option,--material=,MATERIAL) --threads $(threads)
 	$(call finish,$(if $(call given,SCENE_AGENT PERCEPTION),$(RUN)/exchanges/{ground,detector,segmenter}_*.json $(RUN)/exchanges/*.{png,bin}))
 $(GROUNDED): $(STAMPS)/ground ;
 
 $(STAMPS)/lift: $(RUN)/spec/lift.json $(RUN)/inventory.json $(RUN)/masks.h5 $(call missing,$(RUN)/state.h5) | $(call built,pm-lift)
 	$(call stage,lift,$(RUN)/state.h5)
 	@$(call or_base,spec/lift.json inventory.json masks.h5,state.h5) \
-	$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/state.h5,$@.log) \
-	$(BIN)/pm-lift --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --out $(RUN)/state.h5 --threads $(threads) $(or_explain)
+	$(explain) $(call job,$(@F),$(threads),$(job_inputs),$(RUN)/state.h5,$@.log) \
+	$(BIN)/pm-lift --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --out $(RUN)/state.h5 --threads $(threads)
 	$(finish)
 $(RUN)/state.h5: $(STAMPS)/lift ;
 
@@ -130,10 +129,10 @@ $(STAMPS)/material: $(RUN)/spec/material.json $(RUN)/inventory.json $(RUN)/masks
                     $(MATERIAL_INPUTS) $(call missing,$(RUN)/evidence.json) $(call promised,material) | $(call built,pm-material)
 	$(call stage,material,$(RUN)/evidence.json)
 	@$(if $(MATERIAL_INPUTS),,$(call or_base,spec/material.json inventory.json masks.h5 state.h5 models,evidence.json)) \
-	$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/evidence.json,$@.log) \
+	$(explain) $(call job,$(@F),$(threads),$(job_inputs),$(RUN)/evidence.json,$@.log) \
 	$(BIN)/pm-material --scene $< --inventory $(RUN)/inventory.json --masks $(RUN)/masks.h5 --state $(RUN)/state.h5 \
 	  --out $(RUN)/evidence.json $(call option,--agent=,AGENT) $(if $(AGENT),$(call option,--model=,MODEL)) \
-	  $(call option,--predictor=,PREDICTOR) $(if $(call given,AGENT PREDICTOR),$(call server_options,AGENT)) $(call option,--authored=,AUTHORED) --threads $(threads) $(or_explain)
+	  $(call option,--predictor=,PREDICTOR) $(if $(call given,AGENT PREDICTOR),$(call server_options,AGENT)) $(call option,--authored=,AUTHORED) --threads $(threads)
 	$(call finish,$(if $(call given,AGENT PREDICTOR),$(RUN)/exchanges/{material,predictor}_*.json $(RUN)/exchanges/*.{png,bin}))
 $(RUN)/evidence.json: $(STAMPS)/material ;
 
@@ -149,10 +148,10 @@ $(STAMPS)/candidates$(1): $(RUN)/spec/candidates.json $(RUN)/inventory.json $(RU
     $(call missing,$(RUN)/candidates/round$(1).json $(RUN)/candidates/round$(1).mk $(PM_ROUND$(1):%=$(RUN)/candidates/%.json)) \
     | $(call built,pm-candidates)
 	$$(call stage,candidates,$$(RUN)/candidates/round$(1).json)
-	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/candidates/round$(1).json $$(RUN)/candidates/round$(1).mk,$$@.log) \
+	@$$(explain) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/candidates/round$(1).json $$(RUN)/candidates/round$(1).mk,$$@.log) \
 	$(BIN)/pm-candidates --scene $$< --inventory $(RUN)/inventory.json --plan $(RUN)/plan.json \
 	  --evidence $(RUN)/evidence.json --state $(RUN)/state.h5 --out $(RUN)/candidates \
-	  $(if $(2),--repair $(RUN)/screen/round$(2).json) --threads $$(threads) $$(or_explain)
+	  $(if $(2),--repair $(RUN)/screen/round$(2).json) --threads $$(threads)
 	@bash $(PIPELINES)remove-stale.sh $(RUN) $(1) candidates
 	$$(finish)
 $(RUN)/candidates/round$(1).json $(RUN)/candidates/round$(1).mk $(PM_ROUND$(1):%=$(RUN)/candidates/%.json): \
@@ -165,9 +164,9 @@ define camera_rules
 $(STAMPS)/camera$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(3:%=$(RUN)/rollouts/%.h5) $(3:%=$(RUN)/rollouts/%.json) \
     $(2:%=$(RUN)/cameras/round%.json) $(call missing,$(RUN)/cameras/round$(1).json) | $(call built,pm-render)
 	$$(call stage,camera,$$(RUN)/cameras/round$(1).json)
-	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/cameras/round$(1).json,$$@.log) \
+	@$$(explain) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/cameras/round$(1).json,$$@.log) \
 	$(BIN)/pm-render fit --scene $$< --state $(RUN)/state.h5 --rollout $(3:%=$(RUN)/rollouts/%.h5) \
-	  $(2:%=--widen $(RUN)/cameras/round%.json) --out $(RUN)/cameras/round$(1).json --threads $$(threads) $$(or_explain)
+	  $(2:%=--widen $(RUN)/cameras/round%.json) --out $(RUN)/cameras/round$(1).json --threads $$(threads)
 	$$(finish)
 $(RUN)/cameras/round$(1).json: $(STAMPS)/camera$(1) ;
 endef
@@ -178,17 +177,17 @@ define candidate_rules
 $(STAMPS)/simulate-$(1): $(RUN)/spec/simulate.json $(RUN)/state.h5 $(RUN)/candidates/$(1).json \
     $(call missing,$(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json) | $(call built,pm-simulate)
 	$$(call stage,simulate,$$(RUN)/rollouts/$(1).h5)
-	@PM_CANDIDATE=$(3) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/rollouts/$(1).h5 $$(RUN)/rollouts/$(1).json,$$@.log) \
+	@PM_CANDIDATE=$(3) $$(explain) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/rollouts/$(1).h5 $$(RUN)/rollouts/$(1).json,$$@.log) \
 	$(BIN)/pm-simulate --scene $$< --state $(RUN)/state.h5 --candidate $(RUN)/candidates/$(1).json \
-	  --out $(RUN)/rollouts/$(1).h5 --threads $$(threads)$(if $(DEVICE), --device $(DEVICE)) $$(or_explain)
+	  --out $(RUN)/rollouts/$(1).h5 --threads $$(threads)$(if $(DEVICE), --device $(DEVICE))
 	$$(finish)
 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json: $(STAMPS)/simulate-$(1) ;
 $(STAMPS)/render-$(1): $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/rollouts/$(1).h5 $(RUN)/rollouts/$(1).json $(2) \
     $(call missing,$(RUN)/videos/$(1).json) $(call promised,render-$(1)) | $(call built,pm-render)
 	$$(call stage,render,$$(RUN)/videos/$(1).mp4)
-	@PM_CANDIDATE=$(3) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/videos/$(1).json,$$@.log) \
+	@PM_CANDIDATE=$(3) $$(explain) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/videos/$(1).json,$$@.log) \
 	$(BIN)/pm-render --scene $$< --state $(RUN)/state.h5 --rollout $(RUN)/rollouts/$(1).h5 \
-	  --out $(RUN)/videos/$(1).mp4 --sheet $(RUN)/videos/$(1).png --candidate $(RUN)/candidates/$(1).json $(2:%=--cameras %) --threads $$(threads) $$(or_explain)
+	  --out $(RUN)/videos/$(1).mp4 --sheet $(RUN)/videos/$(1).png --candidate $(RUN)/candidates/$(1).json $(2:%=--cameras %) --threads $$(threads)
 	$$(call finish,$$(RUN)/videos/$(1).mp4 $$(RUN)/videos/$(1).png)
 $(RUN)/videos/$(1).json: $(STAMPS)/render-$(1) ;
 endef
@@ -200,11 +199,11 @@ $(STAMPS)/screen$(1): $(RUN)/spec/screen.json $(RUN)/plan.json $(RUN)/evidence.j
     $(3:%=$(RUN)/candidates/round%.json) $(2:%=$(RUN)/candidates/%.json) $(2:%=$(RUN)/rollouts/%.json) $(2:%=$(RUN)/videos/%.json) \
     $(call missing,$(RUN)/screen/round$(1).json $(RUN)/screen/round$(1).mk $(if $(filter accept,$(PM_DECISION$(1))),$(RUN)/accepted.json $(RUN)/final.mp4)) | $(call built,pm-screen)
 	$$(call stage,screen,$$(RUN)/screen/round$(1).json)
-	@$$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/screen/round$(1).json $$(RUN)/screen/round$(1).mk,$$@.log) \
+	@PM_FINE=6 $$(explain) $$(call job,$$(@F),$$(threads),$$(job_inputs),$$(RUN)/screen/round$(1).json $$(RUN)/screen/round$(1).mk,$$@.log) \
 	$(BIN)/pm-screen --scene $$< --plan $(RUN)/plan.json --evidence $(RUN)/evidence.json \
 	  --inventory $(RUN)/inventory.json --candidates $(RUN)/candidates --rollouts $(RUN)/rollouts \
 	  --videos $(RUN)/videos --round $(1) --out $(RUN)/screen/round$(1).json \
-	  --accepted $(RUN)/accepted.json --final $(RUN)/final.mp4 --quiet --threads $$(threads) || [ $$$$? -eq 6 ] $$(or_explain)
+	  --accepted $(RUN)/accepted.json --final $(RUN)/final.mp4 --quiet --threads $$(threads) || [ $$$$? -eq 6 ]
 	@bash $(PIPELINES)remove-stale.sh $(RUN) $(1) screen
 	$$(finish)
 $(RUN)/screen/round$(1).json $(RUN)/screen/round$(1).mk: $(STAMPS)/screen$(1) ;
@@ -287,18 +286,18 @@ $(STAMPS)/best: $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/screen/round$(LAS
                 $(IDS:%=$(RUN)/rollouts/%.json) $(BEST_CAMERAS) \
                 $(call missing,$(RUN)/best.mp4) | $(call built,pm-render)
 	$(call stage,best,$(RUN)/best.mp4)
-	@$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/best.mp4,$@.log) \
+	@$(explain) $(call job,$(@F),$(threads),$(job_inputs),$(RUN)/best.mp4,$@.log) \
 	$(BIN)/pm-render best --scene $< --state $(RUN)/state.h5 --screen $(RUN)/screen/round$(LAST_ROUND).json \
-	  --rollouts $(RUN)/rollouts --candidates $(RUN)/candidates $(BEST_CAMERAS:%=--cameras %) --out $(RUN)/best.mp4 --quiet --threads $(threads) $(or_explain)
+	  --rollouts $(RUN)/rollouts --candidates $(RUN)/candidates $(BEST_CAMERAS:%=--cameras %) --out $(RUN)/best.mp4 --quiet --threads $(threads)
 	$(finish)
 
 # The discretisation error of what was accepted, for who asks.
 $(STAMPS)/error: $(RUN)/spec/simulate.json $(RUN)/spec/render.json $(RUN)/state.h5 $(RUN)/screen/round$(LAST_ROUND).json \
                  $(call missing,$(RUN)/error.json) | $(call built,pm-eval)
 	$(call stage,error,$(RUN)/error.json)
-	@$(call job,$(@F),$(threads),$(job_inputs),$(RUN)/error.json,$@.log) \
+	@$(explain) $(call job,$(@F),$(threads),$(job_inputs),$(RUN)/error.json,$@.log) \
 	$(BIN)/pm-eval error --scene $< --view $(RUN)/spec/render.json --state $(RUN)/state.h5 --accepted $(RUN)/accepted.json \
-	  --out $(RUN)/error.json --threads $(threads) $(to_log) $(or_explain)
+	  --out $(RUN)/error.json --threads $(threads) $(to_log)
 	$(finish)
 
 # --- Before a run -------------------------------------------------------------------------------------------------
