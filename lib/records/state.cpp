@@ -132,7 +132,7 @@ std::vector<double> State::volume_per_row() const {
 
 namespace {
 
-// Rows of Gaussians and particles, and volumes.
+// Rows of Gaussians and particles, volumes, and the field.
 State read_rows(const Hdf5Reader& file, const Inventory* inventory) {
   file.allow_only({"/gaussians/object", "/gaussians/row", "/gaussians/confidence", "/particles/position",
                    "/particles/volume", "/particles/row", "/particles/object", "/particles/source",
@@ -159,6 +159,7 @@ State read_rows(const Hdf5Reader& file, const Inventory* inventory) {
       throw file.invalid("/particles/volume", fmt::format("{} at particle {}", state.volume[q], q),
                          "a positive volume");
   }
+  state.field = read_particle_field(file, state.row.size());
   return state;
 }
 
@@ -204,7 +205,6 @@ State load_state(const std::string& path, const Inventory* inventory) {
                          "the Gaussians first, in file order");
     }
   }
-  state.field = read_particle_field(file, particles);
   for (const Json& entry : list_attribute(file, "omitted"))
     state.omitted.push_back({text_of(file, "/@omitted", entry, "what"), text_of(file, "/@omitted", entry, "why")});
   return state;

@@ -73,7 +73,7 @@ struct State {
 // Checks sizes, index ranges, finite positions inside [0, L]^3, volumes > 0, and that the first particles are the
 // Gaussians, or the carriers. `inventory`, when given, must have the rows that the state was made with.
 State load_state(const std::string& path, const Inventory* inventory = nullptr);
-// The rows of Gaussians and particles and the volumes alone, of which gaussians_per_row and volume_per_row are made;
+// The rows of Gaussians and particles, the volumes and the field alone, as stages need them that ask for sums by row;
 // the rest of the state is empty and was not read. Checked as far.
 State load_state_rows(const std::string& path, const Inventory& inventory);
 void save_state(const std::string& path, const State& state, const Provenance& provenance);
