@@ -13,8 +13,8 @@ struct PreviewOptions {
 
 // Writes the page: views with axes, floor, box and arrows for every action, parts in colours, the plan in words, the
 // coarse motion of the first candidate and materials as assumed. On it a person marks parts with polygons, states
-// materials and changes actions; it saves records for INVENTORY=, AUTHORED= and PLAN=. Errors (exit code 3) as load_run,
-// and where nothing was grounded yet.
+// materials and changes actions; it saves records for INVENTORY=, AUTHORED= and PLAN=. Errors (exit code 3) as
+// load_run, and where nothing was grounded yet.
 void write_preview(const PreviewOptions& options);
 
 }  // namespace physmas::report
