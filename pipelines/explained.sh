@@ -1,16 +1,13 @@
 #!/bin/bash
 # explained.sh RUN STAGE BIN -- COMMAND...: runs the command of a stage. Where it fails, the run's page says which stage and why. Ends as
 # the command does; PM_FINE is a status that is no failure either. What would end this process ends the command.
+source "${BASH_SOURCE[0]%/*}/wait-for.sh"
 run=$1 stage=$2 bin=$3
 shift 4
 "$@" &
 command=$!
 trap 'kill -TERM $command 2>/dev/null' INT TERM HUP
-while true; do
-  wait $command
-  status=$?
-  if ! kill -0 $command 2>/dev/null; then break; fi
-done
+wait_for $command
 case $status in
   0 | "${PM_FINE:-0}" | 129 | 130 | 143) exit $status ;;
 esac

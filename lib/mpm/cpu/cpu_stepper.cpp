@@ -29,9 +29,7 @@ class CpuStepper final : public Stepper {
     loaded_ = true;
     if (!held) return load_particles(state);
     scratch_ = state;
-    rigid_.hold(scratch_, mass_);
-    rigid_.store(scratch_);
-    return load_particles(scratch_);
+    return hold_bodies();
   }
   void store(State& state) const override {
     store_.store(state);
@@ -58,6 +56,12 @@ class CpuStepper final : public Stepper {
     const long long clamped = store_.load(state);
     prepare();
     return clamped;
+  }
+  // Takes the bodies up as they are in scratch_, and loads that.
+  long long hold_bodies() {
+    rigid_.hold(scratch_, mass_);
+    rigid_.store(scratch_);
+    return load_particles(scratch_);
   }
   void prescribe_bodies();
   // The phases of a substep. Where one follows another, G2P of a substep and P2G of the next are one pass over the
@@ -125,11 +129,10 @@ void CpuStepper<T>::hold(bool rigid) {
   if (setup_.rigid.empty() || rigid == rigid_.held()) return;
   store(scratch_);
   if (rigid) {
-    rigid_.hold(scratch_, mass_);
-    rigid_.store(scratch_);
-  } else {
-    rigid_.let_go();
+    hold_bodies();
+    return;
   }
+  rigid_.let_go();
   load_particles(scratch_);
 }
 

@@ -94,7 +94,6 @@ bool RigidMotion::solve(double dt, RigidSystem& system, bool fresh) {
     start[b] = prescribed_twist(prescribed_[b], bodies_[b].center, own);
     system.prescribed[b] = 1;
   }
-  engaged_ = true;
   pattern_.clear();
   if (system.held.empty() && system.pairs.empty()) {
     twists_ = solver_.solve(system, start, false);

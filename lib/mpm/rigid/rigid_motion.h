@@ -59,8 +59,6 @@ class RigidMotion {
   // substep can still be had, so that an impact may be met as material. False: it should be, and nothing has moved.
   bool solve(double dt, RigidSystem& system, bool fresh);
   const std::vector<Twist>& twists() const { return twists_; }
-  // Whether contact was met as rest (and not let through, or thrown back).
-  bool engaged() const { return engaged_; }
   // moments: per body its own mass and velocity at nodes, about its centre.
   void finish(double dt, const std::vector<NodeMoments>& moments);
 
@@ -88,7 +86,7 @@ class RigidMotion {
   std::vector<char> near_;
   std::vector<Twist> twists_;
   RigidSolver solver_;
-  bool held_ = false, windows_ = false, engaged_ = false, alert_ = false;
+  bool held_ = false, windows_ = false, alert_ = false;
   // The impulses of the impact that is being met as material: where on which body, along what [kg m/s].
   struct Impulse {
     int body;

@@ -212,7 +212,6 @@ std::vector<Twist> RigidSolver::solve_free(std::vector<Twist> at) const {
 
 std::vector<Twist> RigidSolver::solve(const RigidSystem& system, const std::vector<Twist>& start, bool contact) {
   set_up(system);
-  iterations_ = 0;
   if (unknowns_ == 0) return start;
   if (!contact) return solve_free(start);
   std::vector<Twist> at = start;
@@ -222,7 +221,7 @@ std::vector<Twist> RigidSolver::solve(const RigidSystem& system, const std::vect
     assemble(system, at);
     fresh = true;
   }
-  while (iterations_ < kMostIterations) {
+  for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
     // What remains is rounding, by the kinetic energy of the motion in the same metric.
     double scale = 1e-12;
     for (size_t b = 0; b < at.size(); ++b) {
@@ -233,7 +232,6 @@ std::vector<Twist> RigidSolver::solve(const RigidSystem& system, const std::vect
       }
     }
     if (size <= kRest * scale) break;
-    ++iterations_;
     std::vector<double> step = gradient_;
     factors_.solve(step.data());
     double length = 1, next_size = 0;
@@ -241,7 +239,7 @@ std::vector<Twist> RigidSolver::solve(const RigidSystem& system, const std::vect
     for (int halving = 0;; ++halving, length /= 2) {
       next = stepped(at, step, length);
       next_size = residual(system, next, trial_gradient_);
-      if (next_size <= size || halving == kMostHalvings || !fresh || iterations_ <= kFreeIterations) break;
+      if (next_size <= size || halving == kMostHalvings || !fresh || iteration <= kFreeIterations) break;
     }
     if (!fresh && !(next_size < kGoodStep * size)) {
       // The contacts are not those that the factors were made for.
@@ -250,7 +248,7 @@ std::vector<Twist> RigidSolver::solve(const RigidSystem& system, const std::vect
       continue;
     }
     const bool slow = !(next_size < kGoodStep * size);
-    const bool stuck = !(next_size < size) && iterations_ > kFreeIterations;
+    const bool stuck = !(next_size < size) && iteration > kFreeIterations;
     at = next;
     size = next_size;
     std::swap(gradient_, trial_gradient_);

@@ -63,7 +63,6 @@ class RigidSolver {
   // The twist that a body's nodes have by themselves.
   static Twist fit(const NodeMoments& moments);
   RigidImpact impact(const RigidSystem& system, const std::vector<Twist>& free, const std::vector<Twist>& met) const;
-  int iterations() const { return iterations_; }
 
  private:
   void set_up(const RigidSystem& system);
@@ -73,7 +72,7 @@ class RigidSolver {
   void assemble(const RigidSystem& system, const std::vector<Twist>& at);
   std::vector<Twist> stepped(const std::vector<Twist>& from, const std::vector<double>& step, double length) const;
 
-  int unknowns_ = 0, iterations_ = 0;
+  int unknowns_ = 0;
   std::vector<int> first_;  // per body: its first unknown, -1: prescribed
   // Without contact: matrix in blocks of 6 × 6 per body, right side.
   std::vector<double> base_, base_right_;

@@ -17,18 +17,7 @@ constexpr double kStep = 4e-4;  // s
 // The last of kSteps substeps by the reference.
 State by_reference(const Problem& p) {
   const ActionPlan actions(p.schedule.actions, p.particles);
-  StepperSetup setup;
-  setup.domain = p.domain;
-  setup.contact = p.contact;
-  for (const Material& m : p.materials) {
-    setup.branches.push_back(m.branch);
-    setup.parameters.push_back(derive_parameters(m, p.constants));
-  }
-  for (const Material& m : p.particles.material) setup.elasticity.push_back(elasticity_of(m));
-  setup.row = p.particles.row;
-  setup.volume = p.particles.volume;
-  setup.control_group = actions.group_of();
-  setup.track_total_F = true;
+  const StepperSetup setup = setup_of(p, actions);
   State state;
   state.x = p.particles.position;
   state.v = p.particles.velocity;

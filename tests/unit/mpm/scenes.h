@@ -63,6 +63,23 @@ inline Vec3d mean(const std::vector<Vec3d>& values) {
   return (1.0 / static_cast<double>(values.size())) * sum;
 }
 
+// What a stepper is made from, total_F included.
+inline StepperSetup setup_of(const Problem& p, const ActionPlan& actions) {
+  StepperSetup setup;
+  setup.domain = p.domain;
+  setup.contact = p.contact;
+  for (const Material& m : p.materials) {
+    setup.branches.push_back(m.branch);
+    setup.parameters.push_back(derive_parameters(m, p.constants));
+  }
+  for (const Material& m : p.particles.material) setup.elasticity.push_back(elasticity_of(m));
+  setup.row = p.particles.row;
+  setup.volume = p.particles.volume;
+  setup.control_group = actions.group_of();
+  setup.track_total_F = true;
+  return setup;
+}
+
 // A collider plane z = height.
 inline Collider floor_at(double height, Collider::Mode mode = Collider::Mode::separate, double friction = 0) {
   Collider c;

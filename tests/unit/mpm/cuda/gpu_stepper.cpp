@@ -57,22 +57,6 @@ void add_random(Problem& p, int row, int count, const Vec3d& low, const Vec3d& h
   }
 }
 
-StepperSetup setup_of(const Problem& p, const ActionPlan& actions) {
-  StepperSetup setup;
-  setup.domain = p.domain;
-  setup.contact = p.contact;
-  for (const Material& m : p.materials) {
-    setup.branches.push_back(m.branch);
-    setup.parameters.push_back(derive_parameters(m, p.constants));
-  }
-  for (const Material& m : p.particles.material) setup.elasticity.push_back(elasticity_of(m));
-  setup.row = p.particles.row;
-  setup.volume = p.particles.volume;
-  setup.control_group = actions.group_of();
-  setup.track_total_F = true;
-  return setup;
-}
-
 State start_of(const Problem& p, const StepperSetup& setup) {
   State state;
   state.x = p.particles.position;

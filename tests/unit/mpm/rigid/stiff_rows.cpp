@@ -9,11 +9,6 @@ using namespace mpm_test;
 
 namespace {
 
-struct Planned {
-  Problem problem;
-  RigidPlan plan;
-};
-
 RigidPlan planned(const Problem& p, StiffRule rule, double dt = 2e-4) {
   std::vector<Branch> branches;
   std::vector<MaterialParameters<double>> parameters;
